@@ -1,0 +1,19 @@
+"""P(Π|B): what a rational robot would do under each belief that the user may hold."""
+
+from mirror_explainer.planning.beliefs import (
+    Belief,
+    BeliefPlans,
+    BeliefSpace,
+    Plan,
+    PlanningReport,
+    Status,
+)
+
+__all__ = [
+    'Belief',
+    'BeliefPlans',
+    'BeliefSpace',
+    'Plan',
+    'PlanningReport',
+    'Status',
+]
