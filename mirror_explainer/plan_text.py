@@ -1,0 +1,176 @@
+"""Plan texts in: every form that planners on robots write, checked against the task."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from unified_planning.engines import (
+    SequentialPlanValidator,
+    UPSequentialSimulator,
+    ValidationResult,
+    ValidationResultStatus,
+)
+from unified_planning.exceptions import UPException
+from unified_planning.model import FNode
+from unified_planning.plans import ActionInstance, SequentialPlan
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.pddl import Task, atom_text, ground_text
+
+_NUMBER = r'\d+(?:\.\d*)?(?:e[+-]?\d+)?'
+_WORD = r'[^\s()\[\],;:]+'
+# "step 0:" or "0.000:", then the action, then "[duration]" or "[D:1.00; C:0.10]", then a comment.
+_LINE = re.compile(
+    rf'\s*(?:(?:step\s+)?(?P<start>{_NUMBER})\s*:)?\s*'
+    rf'(?:\(\s*(?P<lisp>{_WORD}(?:\s+{_WORD})*)\s*\)'
+    rf'|(?P<name>{_WORD})\s*\(\s*(?P<arguments>{_WORD}(?:\s*,\s*{_WORD})*)?\s*\)'
+    rf'|(?P<bare>{_WORD}(?:[ \t]+{_WORD})*))'
+    r'\s*(?:\[[^\]]*\])?\s*(?:;.*)?',
+    re.IGNORECASE,
+)
+_HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\s*', re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One action of a plan text: the words "name argument …" and the line (from 1)."""
+
+    words: tuple[str, ...]
+    line: int
+
+    @property
+    def action(self) -> str:
+        """The ground action as canonical text."""
+        return ground_text(self.words[0], self.words[1:])
+
+
+def read_plan(text: str, source: str = 'plan') -> tuple[Step, ...]:
+    """Read a plan text; timed lines are put in the order of their start times.
+
+    An empty text, or one of comments only, is the empty plan. Raises
+    InputError with line and text for anything that is no plan line.
+    """
+    if re.match(r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\b', text, re.IGNORECASE):
+        raise InputError(source, 'this is a PDDL definition, but a plan is expected here', 1)
+    steps = list(_timed_steps(text.removeprefix('\ufeff'), source))
+    timed = [step for start, step in steps if start is not None]
+    if timed and len(timed) < len(steps):
+        line = next(step.line for start, step in steps if start is None)
+        raise InputError(source, 'this line has no start time, but others have', line)
+    return tuple(step for _, step in sorted(steps, key=lambda timed: timed[0] or 0.0))
+
+
+def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> float:
+    """Check that the plan can be carried out and reaches the task's goal; return its cost.
+
+    The cost is in the problem's metric: the number of actions where it has
+    none. Raises InputError that names the first action that fails and the
+    condition it lacks, or the goal that the plan does not reach.
+    """
+    plan = SequentialPlan([_action_instance(task, step, source) for step in steps])
+    try:
+        result = SequentialPlanValidator().validate(task.model, plan)
+    except UPException as error:
+        raise InputError(source, f'the plan cannot be checked: {error}') from error
+    if result.status is not ValidationResultStatus.VALID:
+        raise _failure(task, steps, result, source)
+    if not result.metric_evaluations:
+        return float(len(steps))
+    (cost,) = result.metric_evaluations.values()
+    return float(cost)
+
+
+def without_dummy(task: Task, steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    """Return the steps without a trailing (reach-goal) that the domain does not have."""
+    if steps and steps[-1].words == ('reach-goal',) and not task.model.has_action('reach-goal'):
+        return steps[:-1]
+    return steps
+
+
+def _timed_steps(text: str, source: str) -> Iterator[tuple[float | None, Step]]:
+    """Yield start time (None where the line has none) and step of every line with an action."""
+    in_up_plan = False
+    for number, line in enumerate(text.splitlines(), start=1):
+        content = line
+        header = _HEADER.match(line)
+        if header:
+            in_up_plan = in_up_plan or header['header'].lower() != 'plan'
+            content = line[header.end() :]
+        if re.fullmatch(r'\s*(;.*)?', content):
+            continue
+        found = _LINE.fullmatch(content)
+        # A bare word is an action after "0:", or as unified-planning prints one without arguments.
+        if not found or (found['bare'] and not found['start'] and not in_up_plan):
+            raise InputError(source, f'this is no action of a plan: "{line.strip()[:80]}"', number)
+        words = found['lisp'] or found['bare']
+        if words is None:
+            words = f'{found["name"]} {(found["arguments"] or "").replace(",", " ")}'
+        start = None if found['start'] is None else float(found['start'])
+        yield start, Step(tuple(words.lower().split()), number)
+
+
+def _action_instance(task: Task, step: Step, source: str) -> ActionInstance:
+    """Return unified-planning's action for a step, or raise InputError with its line."""
+    name, *arguments = step.words
+    model = task.model
+    if not model.has_action(name):
+        raise InputError(source, f'the domain has no action "{name}"', step.line)
+    action = model.action(name)
+    if len(arguments) != len(action.parameters):
+        count = len(action.parameters)
+        raise InputError(
+            source, f'{step.action}: "{name}" takes {count} arguments', step.line
+        )
+    objects = []
+    for argument, parameter in zip(arguments, action.parameters, strict=True):
+        if not model.has_object(argument):
+            raise InputError(
+                source, f'{step.action}: the problem has no object "{argument}"', step.line
+            )
+        item = model.object(argument)
+        if not parameter.type.is_compatible(item.type):
+            raise InputError(
+                source,
+                f'{step.action}: {argument} is of type {item.type.name}, '
+                f'but "{name}" takes a {parameter.type.name} there',
+                step.line,
+            )
+        objects.append(item)
+    return ActionInstance(action, model.environment.expression_manager.auto_promote(objects))
+
+
+def _failure(
+    task: Task, steps: tuple[Step, ...], result: ValidationResult, source: str
+) -> InputError:
+    """Say which action fails first and what it lacks, or which goal is not reached."""
+    simulator = UPSequentialSimulator(task.model)
+    assert result.trace is not None  # the sequential validator always returns one
+    state = result.trace[-1]
+    if result.inapplicable_action is None:
+        missing = simulator.get_unsatisfied_goals(state)
+        return InputError(source, f'the plan does not reach the goal: {_conditions(missing)}')
+    position = len(result.trace) - 1
+    step = steps[position]
+    instance = result.inapplicable_action
+    conditions, _ = simulator.get_unsatisfied_conditions(state, instance)
+    bound = dict(zip(instance.action.parameters, instance.actual_parameters, strict=True))
+    missing = [condition.substitute(bound) for condition in conditions]
+    lacks = _conditions(missing) if missing else 'its effects contradict each other'
+    return InputError(
+        source,
+        f'{step.action} cannot be carried out as step {position + 1} of {len(steps)}: {lacks}',
+        step.line,
+    )
+
+
+def _conditions(conditions: list[FNode]) -> str:
+    """Return "(robot-at left) does not hold" for the conditions that fail."""
+    texts = [
+        f'{atom_text(condition)} does not hold'
+        if condition.is_fluent_exp()
+        else f'{atom_text(condition.arg(0))} holds'
+        if condition.is_not() and condition.arg(0).is_fluent_exp()
+        else f'"{condition}" does not hold'
+        for condition in conditions
+    ]
+    return ', '.join(texts)
