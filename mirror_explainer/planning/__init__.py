@@ -8,12 +8,14 @@ from mirror_explainer.planning.beliefs import (
     PlanningReport,
     Status,
 )
+from mirror_explainer.planning.planner import Planner
 
 __all__ = [
     'Belief',
     'BeliefPlans',
     'BeliefSpace',
     'Plan',
+    'Planner',
     'PlanningReport',
     'Status',
 ]

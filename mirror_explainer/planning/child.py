@@ -1,0 +1,46 @@
+"""The worker's side of `worker.py`: messages in, and an end when the parent is gone.
+
+Nothing of a worker may outlive the process that started it, however that ends.
+"""
+
+import os
+import queue
+import shutil
+import signal
+import sys
+import threading
+from multiprocessing.connection import Connection
+from typing import Any
+
+
+class Parent:
+    """The process that started this one, as seen from here."""
+
+    def __init__(self) -> None:
+        # Ctrl-C reaches the whole foreground group; what to do then is the parent's decision.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        self._connection = Connection(int(sys.argv[1]))
+        self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self) -> None:
+        while True:
+            try:
+                message = self._connection.recv()
+            except (EOFError, OSError):
+                end_group()
+            self._inbox.put(message)
+
+    def receive(self, timeout: float | None = None) -> Any:
+        """Return the next message; raises queue.Empty after `timeout` seconds without one."""
+        return self._inbox.get(timeout=timeout)
+
+    def send(self, message: Any) -> None:
+        """Send any picklable value."""
+        self._connection.send(message)
+
+
+def end_group() -> None:
+    """End this worker and all it started, and remove its private directory."""
+    shutil.rmtree(os.getcwd(), ignore_errors=True)
+    os.killpg(0, signal.SIGKILL)

@@ -1,0 +1,160 @@
+"""Worker of the general way: one unified-planning engine, one call a belief.
+
+Run as a module by `worker.py`. unified-planning is not thread-safe and engines
+may hang or crash, which is why this is a process of its own.
+"""
+
+import resource
+import subprocess
+import warnings
+from typing import Any
+
+import unified_planning.model as up
+from unified_planning.engines import (
+    OptimalityGuarantee,
+    SequentialPlanValidator,
+    ValidationResultStatus,
+)
+from unified_planning.engines import PlanGenerationResultStatus as EngineStatus
+from unified_planning.exceptions import UPException
+from unified_planning.shortcuts import OneshotPlanner, get_environment
+
+from mirror_explainer import pddl
+from mirror_explainer.errors import InputError, PlanningError
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Plan, Status
+from mirror_explainer.planning.child import Parent
+from mirror_explainer.planning.messages import Attempt, Refusal, Setup, unknown
+
+_NO_PLAN = {
+    EngineStatus.UNSOLVABLE_INCOMPLETELY: 'the engine found no plan, without proof that none is',
+    EngineStatus.TIMEOUT: 'the engine ran out of time',
+    EngineStatus.MEMOUT: 'the engine ran out of memory',
+    EngineStatus.UNSUPPORTED_PROBLEM: 'the engine does not support the problem',
+}
+
+
+class Beliefs:
+    """The problem of a belief space, with the initial facts and the goal of one belief at a time.
+
+    Raises InputError for texts that cannot be read, and PlanningError when the
+    engine is not there or does not support the problem.
+    """
+
+    def __init__(self, engine: str, space: BeliefSpace) -> None:
+        self._engine = engine
+        self._model = pddl.read_task(space.domain, space.problem).model
+        self._goals = [pddl.goal_expression(self._model, goal) for goal in space.goals]
+        self._facts = {
+            fact: pddl.fluent_expression(self._model, fact) for fact in space.uncertain_facts
+        }
+        engine_class = _engine_class(engine)
+        self._optimal = engine_class.satisfies(OptimalityGuarantee.SOLVED_OPTIMALLY)
+        for goal in self._goals:
+            self._set_goal(goal)
+            _require_support(engine, engine_class, self._model)
+
+    def _set_goal(self, goal: up.FNode) -> None:
+        self._model.clear_goals()
+        self._model.add_goal(goal)
+
+    def plan(self, belief: Belief) -> Attempt:
+        """Ask the engine for a plan under one belief."""
+        for fact, expression in self._facts.items():
+            self._model.set_initial_value(expression, fact in belief.true_facts)
+        self._set_goal(self._goals[belief.goal])
+        try:
+            with OneshotPlanner(name=self._engine) as planner:
+                result = planner.solve(self._model)
+        except MemoryError:
+            return unknown('the engine ran out of memory')
+        except Exception as error:  # whatever a third party's engine may raise
+            return unknown(f'the engine failed: {_first_line(error)}', crashed=True)
+        if result.status is EngineStatus.UNSOLVABLE_PROVEN:
+            return Attempt(BeliefPlans(Status.UNSOLVABLE))
+        if result.plan is None:
+            reason = _NO_PLAN.get(result.status)
+            return unknown(reason or 'the engine failed', crashed=reason is None)
+        optimal = self._optimal or result.status is EngineStatus.SOLVED_OPTIMALLY
+        return self._checked(result.plan, optimal)
+
+    def _checked(self, plan: Any, optimal: bool) -> Attempt:
+        """Return an engine's plan with its cost, provided that it does reach the goal."""
+        with SequentialPlanValidator() as validator:
+            verdict = validator.validate(self._model, plan)
+        if verdict.status is not ValidationResultStatus.VALID:
+            return unknown('the engine gave a plan that does not reach the goal', crashed=True)
+        actions = tuple(
+            pddl.ground_text(step.action.name, map(str, step.actual_parameters))
+            for step in plan.actions
+        )
+        costs = list((verdict.metric_evaluations or {}).values())
+        cost = float(costs[0]) if costs else float(len(actions))
+        return Attempt(BeliefPlans(Status.SOLVED, (Plan(actions, cost, optimal),)))
+
+
+def _first_line(error: Exception) -> str:
+    lines = str(error).strip().splitlines()
+    return f'{type(error).__name__}: {lines[0][:200]}' if lines else type(error).__name__
+
+
+def _engine_class(name: str) -> Any:
+    """Return the class of an installed planning engine; raises PlanningError otherwise."""
+    factory = get_environment().factory
+    planners = sorted(e for e in factory.engines if factory.engine(e).is_oneshot_planner())
+    if name not in planners:
+        raise PlanningError(
+            f'There is no planning engine "{name}" here. Installed are: '
+            f'{", ".join(planners) or "none"}. Name one of them, or install it for '
+            'unified-planning.'
+        )
+    return factory.engine(name)
+
+
+def _require_support(name: str, engine_class: Any, model: up.Problem) -> None:
+    """Raise PlanningError that names the features of the problem the engine lacks."""
+    missing = model.kind.features - engine_class.supported_kind().features
+    if missing or not engine_class.supports(model.kind):
+        words = ', '.join(sorted(feature.lower().replace('_', ' ') for feature in missing))
+        raise PlanningError(
+            f'The planning engine "{name}" does not support this problem'
+            f'{f": {words}" if words else ""}. Name another engine, or leave that out.'
+        )
+
+
+def main() -> None:
+    """Serve the parent until it ends this process."""
+    parent = Parent()
+    get_environment().credits_stream = None
+    warnings.simplefilter('ignore')
+    beliefs: Beliefs | None = None
+    while True:
+        message = parent.receive()
+        if isinstance(message, Setup):
+            _limit_memory(message.memory_limit)
+            try:
+                beliefs = Beliefs(message.engine, message.space)
+            except InputError as error:
+                parent.send(Refusal(str(error), (error.source, error.reason, error.line)))
+            except (PlanningError, UPException) as error:
+                parent.send(Refusal(str(error)))
+            else:
+                parent.send(None)
+        elif beliefs is not None:
+            parent.send(beliefs.plan(message))
+
+
+def _limit_memory(mebibytes: int) -> None:
+    """Limit the data of this process, and of each it starts."""
+    resource.setrlimit(resource.RLIMIT_DATA, (mebibytes << 20, resource.RLIM_INFINITY))
+
+
+class _SameGroup(subprocess.Popen):  # type: ignore[type-arg]
+    """An engine's process, kept in the worker's group, which can then be ended as a whole."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **(options | {'start_new_session': False}))
+
+
+if __name__ == '__main__':
+    subprocess.Popen = _SameGroup  # type: ignore[misc]
+    main()

@@ -1,0 +1,150 @@
+"""Plans for many beliefs, by worker processes, within limits of time and memory.
+
+The way in to this package: it keeps the last space's results, and decides how
+the rest is found.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from types import TracebackType
+
+from mirror_explainer.errors import PlanningError
+from mirror_explainer.planning.beliefs import (
+    Belief,
+    BeliefPlans,
+    BeliefSpace,
+    PlanningReport,
+    Status,
+)
+from mirror_explainer.planning.engine_pool import EnginePool
+from mirror_explainer.planning.limits import Limits
+from mirror_explainer.planning.messages import Attempt
+
+_LATE = BeliefPlans(Status.UNKNOWN, reason='the deadline passed')
+
+
+class Planner:
+    """Finds plans for beliefs with one planning engine, named as unified-planning names it.
+
+    `workers` processes plan at a time. A belief without a plan after
+    `planning_timeout` seconds stays unknown; a planning process may use
+    `memory_limit` MiB. The processes start when first needed, and run until
+    `close`, or the end of the `with` block:
+
+        with Planner('fast-downward-opt') as planner:
+            report = planner.plan(space, [Belief(0), Belief(1)], deadline=5.0)
+
+    """
+
+    def __init__(
+        self,
+        engine: str = 'fast-downward-opt',
+        *,
+        workers: int = 2,
+        planning_timeout: float = 10.0,
+        memory_limit: int = 1024,
+        downward_binary: str = '',
+    ) -> None:
+        self._engine = engine
+        self._pool = EnginePool(engine, workers, planning_timeout, memory_limit)
+        self._busy = threading.Lock()
+        self._closed = threading.Event()
+        self._known_space: tuple[BeliefSpace, int] | None = None
+        self._known: dict[Belief, BeliefPlans] = {}
+
+    def plan(
+        self,
+        space: BeliefSpace,
+        beliefs: Sequence[Belief],
+        *,
+        plans_per_belief: int = 1,
+        deadline: float | None = None,
+        cancelled: threading.Event | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> PlanningReport:
+        """Return what is known about each belief once it is planned for, in the order given.
+
+        `plans_per_belief` is how many plans a belief should get; an engine that
+        gives one at a time gives one. After `deadline` seconds the rest stays
+        unknown. Setting `cancelled` in another thread ends the call and its
+        planning within some 50 ms. `progress` is told (done, all) as results come.
+
+        Raises Cancelled; InputError for texts that cannot be read; PlanningError
+        when the engine is not there, does not support the problem, or crashed on
+        every belief; ValueError for a belief outside the space.
+        """
+        end = float('inf') if deadline is None else time.monotonic() + deadline
+        events = (self._closed, cancelled) if cancelled else (self._closed,)
+        limits = Limits(end, events)
+        _require_inside(space, beliefs)
+        with self._busy:
+            limits.check()
+            if self._known_space != (space, plans_per_belief):
+                self._known_space, self._known = (space, plans_per_belief), {}
+            missing = [belief for belief in dict.fromkeys(beliefs) if belief not in self._known]
+            results = _Results(self._known, len(set(beliefs)), progress)
+            calls = self._pool.plan(space, missing, limits, results.record) if missing else 0
+            if missing and results.crashes == len(missing):
+                raise PlanningError(
+                    f'The planning engine "{self._engine}" failed on every belief; on the last '
+                    f'one: {results.last_reason}. Try another engine.'
+                )
+            found = tuple(results.get(belief) for belief in beliefs)
+        return PlanningReport(found, calls, self._pool.way)
+
+    def close(self) -> None:
+        """End every planning process at once; a call of `plan` in another thread is cancelled."""
+        self._closed.set()
+        with self._busy:
+            self._pool.close()
+
+    def __enter__(self) -> 'Planner':
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+class _Results:
+    """Results as they come in: those worth keeping go to `known`."""
+
+    def __init__(
+        self,
+        known: dict[Belief, BeliefPlans],
+        total: int,
+        progress: Callable[[int, int], None] | None,
+    ) -> None:
+        self._known = known
+        self._unknown: dict[Belief, BeliefPlans] = {}
+        self._total = total
+        self._progress = progress
+        self.crashes = 0
+        self.last_reason = ''
+
+    def record(self, belief: Belief, attempt: Attempt) -> None:
+        """Take in one result. What stayed unknown may be asked again, so it is not kept."""
+        kept = self._unknown if attempt.result.status is Status.UNKNOWN else self._known
+        kept[belief] = attempt.result
+        self.crashes += attempt.crashed
+        self.last_reason = attempt.result.reason
+        if self._progress:
+            self._progress(len(self._known) + len(self._unknown), self._total)
+
+    def get(self, belief: Belief) -> BeliefPlans:
+        """Return the belief's result."""
+        return self._known.get(belief) or self._unknown.get(belief, _LATE)
+
+
+def _require_inside(space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
+    facts = frozenset(space.uncertain_facts)
+    for belief in beliefs:
+        if not 0 <= belief.goal < len(space.goals):
+            raise ValueError(f'the space has no goal {belief.goal}, only {len(space.goals)}')
+        if not belief.true_facts <= facts:
+            raise ValueError(f'not uncertain in the space: {sorted(belief.true_facts - facts)}')

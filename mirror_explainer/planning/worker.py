@@ -1,0 +1,100 @@
+"""A child process that plans: started, spoken to, and ended together with all it started.
+
+Each worker leads a session of its own and works in a private directory, so that
+ending it leaves neither processes nor files behind.
+"""
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from multiprocessing import Pipe
+from pathlib import Path
+from typing import Any
+
+from mirror_explainer.errors import PlanningError
+
+
+class Worker:
+    """One child process that runs a module of this package (see `child.py` for its side).
+
+    `environment` replaces the inherited variables. Raises PlanningError when
+    the process cannot be started.
+    """
+
+    def __init__(self, module: str, environment: Mapping[str, str] | None = None) -> None:
+        self.connection, theirs = Pipe()
+        with theirs:
+            try:
+                self._directory = Path(tempfile.mkdtemp(prefix='mirror_explainer_'))
+            except OSError as error:
+                raise PlanningError(f'No temporary directory for planning: {error}.') from error
+            try:
+                self._process = self._start(module, theirs.fileno(), environment)
+            except OSError as error:
+                shutil.rmtree(self._directory, ignore_errors=True)
+                raise PlanningError(f'The planning process does not start: {error}.') from error
+
+    def _start(
+        self, module: str, descriptor: int, environment: Mapping[str, str] | None
+    ) -> subprocess.Popen[bytes]:
+        variables = dict(os.environ if environment is None else environment)
+        variables['PYTHONPATH'] = os.pathsep.join(path for path in sys.path if path)
+        variables['TMPDIR'] = str(self._directory)
+        with (self._directory / 'stderr').open('wb') as stderr:
+            return subprocess.Popen(
+                [sys.executable, '-P', '-m', module, str(descriptor)],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=stderr,
+                cwd=self._directory,
+                env=variables,
+                pass_fds=[descriptor],
+                start_new_session=True,
+            )
+
+    @property
+    def pid(self) -> int:
+        """The process id, which is also the id of the worker's process group."""
+        return self._process.pid
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process still runs."""
+        # A look that does not reap it: see `kill`.
+        peek = os.WEXITED | os.WNOHANG | os.WNOWAIT
+        return os.waitid(os.P_PID, self._process.pid, peek) is None
+
+    def send(self, message: Any) -> None:
+        """Send any picklable value; that a dead worker misses it shows at `receive`."""
+        with contextlib.suppress(OSError):
+            self.connection.send(message)
+
+    def receive(self) -> Any:
+        """Return the next message; raises EOFError when the worker has died."""
+        try:
+            return self.connection.recv()
+        except OSError as error:
+            raise EOFError from error
+
+    def last_words(self) -> str:
+        """Return the last line the worker wrote to its standard error, if any."""
+        try:
+            text = (self._directory / 'stderr').read_text(errors='replace')
+        except OSError:
+            return ''
+        lines = text.strip().splitlines()
+        return lines[-1].strip()[:200] if lines else ''
+
+    def kill(self) -> None:
+        """End the process and its whole group at once, and remove its directory."""
+        # Before the leader is reaped, its id cannot have passed to anyone else.
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+        self.connection.close()
+        shutil.rmtree(self._directory, ignore_errors=True)
