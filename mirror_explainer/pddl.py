@@ -55,6 +55,14 @@ class Task:
         """G_R: the goal as one expression."""
         return self.model.environment.expression_manager.And(self.model.goals)
 
+    @property
+    def goal_text(self) -> str:
+        """G_R as it stands in the problem, in lower case with single spaces."""
+        text = re.sub(r';[^\n]*', '', self.problem).lower()
+        start = re.search(r'\(\s*:goal\b', text)
+        assert start is not None  # a problem without a goal is not read
+        return _text(pyparsing.nested_expr().parse_string(text[start.start() :]).as_list()[0][1])
+
 
 def read_task(
     domain: str, problem: str, domain_source: str = 'domain', problem_source: str = 'problem'

@@ -1,0 +1,178 @@
+"""P(B) = P(I) P(G): the beliefs that the user may hold, and the robot's own among them.
+
+Section 4 of the paper: a categorical distribution over goals, and a Bernoulli
+variable for each uncertain fact; here also groups of which exactly one fact holds.
+"""
+
+import heapq
+import math
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+
+from mirror_explainer.pddl import Task, goal_expression, literals
+from mirror_explainer.planning import Belief, BeliefSpace
+from mirror_explainer.user_model import CandidateGoal, UserModel
+
+# What b_R gets when the user model calls it impossible (footnote 2 of the paper).
+CONTRADICTED_PROBABILITY = 1e-6
+
+
+@dataclass(frozen=True)
+class Prior:
+    """P(B) over the enumerated beliefs, the most probable first.
+
+    `goals` are the distinct candidates with P(G), the robot's own added where
+    the user model lacks it. `beliefs` and `probabilities` go together;
+    `robot_belief` is the index of b_R. `warnings` say where the robot lies
+    outside the user's model.
+    """
+
+    space: BeliefSpace
+    goals: tuple[CandidateGoal, ...]
+    beliefs: tuple[Belief, ...]
+    probabilities: tuple[float, ...]
+    robot_belief: int
+    warnings: tuple[str, ...]
+
+    @property
+    def covered_mass(self) -> float:
+        """The probability of all enumerated beliefs together, 1 unless they were cut off."""
+        return min(1.0, math.fsum(self.probabilities))
+
+
+@dataclass(frozen=True)
+class _Factor:
+    """One independent variable of P(B): its outcomes' probabilities, and b_R's outcome."""
+
+    probability: Mapping[Hashable, float]
+    robot: Hashable
+    contradiction: str
+
+
+def belief_prior(task: Task, user_model: UserModel, max_beliefs: int = 1024) -> Prior:
+    """Enumerate the beliefs of a user model from the most probable down.
+
+    At most `max_beliefs` are taken, and b_R always is one of them.
+    """
+    goals, robot_goal, warnings = _distinct_goals(task, user_model)
+    factors = [
+        _Factor(
+            {index: goal.probability for index, goal in enumerate(goals)},
+            robot_goal,
+            f'the goal "{goals[robot_goal].name}" has probability 0',
+        ),
+        *_fact_factors(user_model, task.initial_facts),
+    ]
+    robot = _belief([factor.robot for factor in factors])
+    robot_probability = math.prod(factor.probability.get(factor.robot, 0.0) for factor in factors)
+    scale = 1.0
+    if robot_probability == 0.0:
+        robot_probability, scale = CONTRADICTED_PROBABILITY, 1.0 - CONTRADICTED_PROBABILITY
+        warnings += [
+            f'the user model rules out what is true of the robot: {factor.contradiction}'
+            for factor in factors
+            if not factor.probability.get(factor.robot)
+        ]
+    taken = {
+        _belief(outcomes): scale * probability
+        for outcomes, probability in islice(
+            _most_probable_first([factor.probability for factor in factors]), max_beliefs
+        )
+    }
+    if robot not in taken:
+        taken = dict([*taken.items()][: max_beliefs - 1]) | {robot: robot_probability}
+    facts = [*user_model.uncertain_facts, *(fact for group in user_model.one_of for fact in group)]
+    texts = tuple(goal.goal for goal in goals)
+    return Prior(
+        space=BeliefSpace(task.domain, task.problem, texts, tuple(facts)),
+        goals=goals,
+        beliefs=tuple(taken),
+        probabilities=tuple(taken.values()),
+        robot_belief=list(taken).index(robot),
+        warnings=tuple(warnings),
+    )
+
+
+def _distinct_goals(
+    task: Task, user_model: UserModel
+) -> tuple[tuple[CandidateGoal, ...], int, list[str]]:
+    """Return the distinct candidate goals, the index of G_R, and warnings.
+
+    Goals are equal when they are the same set of literals; equal candidates
+    become one, under the first one's name.
+    """
+    warnings = []
+    distinct: dict[Hashable, CandidateGoal] = {}
+    for goal in user_model.goals:
+        key = literals(goal_expression(task.model, goal.goal))
+        if key in distinct:
+            first = distinct[key]
+            warnings.append(f'the candidates "{first.name}" and "{goal.name}" are the same goal')
+            distinct[key] = replace(first, probability=first.probability + goal.probability)
+        else:
+            distinct[key] = goal
+    robot_goal = literals(task.goal)
+    if robot_goal not in distinct:
+        unlisted = user_model.unlisted_goal_probability
+        distinct = {
+            key: replace(goal, probability=(1.0 - unlisted) * goal.probability)
+            for key, goal in distinct.items()
+        }
+        distinct[robot_goal] = CandidateGoal(task.goal_text, task.goal_text, unlisted)
+        warnings.append(
+            f"the robot's goal {task.goal_text} is not among the user model's candidates; "
+            f'it was added with probability {unlisted:g}'
+        )
+    return tuple(distinct.values()), list(distinct).index(robot_goal), warnings
+
+
+def _fact_factors(user_model: UserModel, initial_facts: frozenset[str]) -> Iterator[_Factor]:
+    """Yield P(I)'s variables; an outcome is the set of facts that hold."""
+    for fact, probability in user_model.uncertain_facts.items():
+        holds = fact in initial_facts
+        yield _Factor(
+            {frozenset([fact]): probability, frozenset(): 1.0 - probability},
+            frozenset([fact]) if holds else frozenset(),
+            f'{fact} {"holds" if holds else "does not hold"}',
+        )
+    for group in user_model.one_of:
+        held = frozenset(group) & initial_facts
+        yield _Factor(
+            {frozenset([fact]): probability for fact, probability in group.items()},
+            held,
+            f'of {", ".join(group)} what holds is {", ".join(sorted(held)) or "none"}',
+        )
+
+
+def _belief(outcomes: Sequence[Hashable]) -> Belief:
+    goal, *facts = outcomes
+    assert isinstance(goal, int)
+    return Belief(goal, frozenset().union(*facts))  # type: ignore[arg-type]
+
+
+def _most_probable_first(
+    factors: Sequence[Mapping[Hashable, float]],
+) -> Iterator[tuple[list[Hashable], float]]:
+    """Yield the joint outcomes of independent variables, the most probable first, none of zero.
+
+    Every joint outcome but the first has one parent, in which its last
+    variable that is not at its best is one outcome better: a best-first
+    search of that tree meets each outcome once, and in order.
+    """
+    sorted_factors = [
+        sorted(((p, outcome) for outcome, p in factor.items() if p > 0), key=lambda o: -o[0])
+        for factor in factors
+    ]
+
+    def entry(ranks: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
+        return -math.prod(f[r][0] for f, r in zip(sorted_factors, ranks, strict=True)), ranks
+
+    heap = [entry((0,) * len(sorted_factors))]
+    while heap:
+        negative, ranks = heapq.heappop(heap)
+        yield [f[r][1] for f, r in zip(sorted_factors, ranks, strict=True)], -negative
+        last = max((i for i, rank in enumerate(ranks) if rank), default=0)
+        for i in range(last, len(ranks)):
+            if ranks[i] + 1 < len(sorted_factors[i]):
+                heapq.heappush(heap, entry((*ranks[:i], ranks[i] + 1, *ranks[i + 1 :])))
