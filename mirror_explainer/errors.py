@@ -16,6 +16,10 @@ class InputError(ValueError):
         super().__init__(f'{place}: {reason}')
 
 
+class NoPlanError(InputError):
+    """The robot has no current plan, and its goal is not reached either."""
+
+
 class PlanningError(RuntimeError):
     """Planning as a whole failed: no such engine, unsupported problem, no answer in time."""
 

@@ -1,0 +1,236 @@
+"""One call: the robot's task and plan, and a user model, in; an explanation out.
+
+`prepare` does the slow part, planning for what the user may believe;
+`explain` answers from its result (VERBALIZE-PLAN in Algorithm 1).
+"""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from mirror_explainer.errors import InputError, NoPlanError, PlanningError
+from mirror_explainer.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.pddl import Task
+from mirror_explainer.plan_text import check_plan, read_plan, without_dummy
+from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status
+from mirror_explainer.prior import belief_prior
+from mirror_explainer.selection import (
+    Selection,
+    decreasing,
+    increasing,
+    most_informative,
+    smallest_sufficient,
+)
+from mirror_explainer.sentences import Sentences, action_parameters
+from mirror_explainer.user_model import UserModel
+
+STRATEGIES = ('informative', 'increasing', 'decreasing')
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Where the time went."""
+
+    read: float = 0.0
+    planning: float = 0.0
+    selection: float = 0.0
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """All that is needed to answer at once: the mirror model, and what it cost."""
+
+    model: MirrorModel
+    seconds: Seconds
+    planner_calls: int
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What to say, and what it does to the listener's beliefs.
+
+    `selection` has the plan positions in plan order (from 0), the information
+    gain and its gap (nats). `said` are positions whose sentences were said
+    before: all quantities are conditioned on them.
+    """
+
+    strategy: str
+    preparation: Preparation
+    selection: Selection
+    said: tuple[int, ...]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The sentences to say, in plan order."""
+        model = self.preparation.model
+        return tuple(model.sentences[position] for position in self.selection.positions)
+
+    @property
+    def text(self) -> str:
+        """The answer as a person hears it: one sentence a line."""
+        if not self.preparation.model.sentences:
+            return 'Nothing is left to do: my goal is reached.'
+        return '\n'.join(self.sentences) or 'You have heard every step of my plan.'
+
+    def as_dict(self, hypotheses: bool = True) -> dict[str, Any]:
+        """Return the explanation as plain values, ready for JSON."""
+        model = self.preparation.model
+        positions = list(self.selection.positions)
+        heard = [*self.said, *positions]
+        before, after = model.goal_posterior(self.said), model.goal_posterior(heard)
+        explanation = {
+            'strategy': self.strategy,
+            'n': len(positions),
+            'sentences': list(self.sentences),
+            'positions': positions,
+            'actions': [model.plan.actions[position] for position in positions],
+            'information_gain': self.selection.information_gain,
+            'cross_entropy_before': model.cross_entropy(self.said),
+            'cross_entropy_after': model.cross_entropy(heard),
+            'understanding_before': model.understanding(self.said),
+            'understanding': model.understanding(heard),
+            'optimal': self.selection.optimal,
+            'gap': self.selection.gap,
+            'complete': model.complete,
+            'covered_mass': model.covered_mass,
+            'unsolvable_mass': model.unsolvable_mass,
+            'unknown_mass': model.unknown_mass,
+            'goals': [
+                {'name': goal.name, 'prior': float(prior), 'posterior': float(posterior)}
+                for goal, prior, posterior in zip(model.goals, before, after, strict=True)
+            ],
+            'plan': [
+                {
+                    'position': position,
+                    'action': action,
+                    'sentence': sentence,
+                    'information_gain': model.information_gain([position], self.said),
+                }
+                for position, (action, sentence) in enumerate(
+                    zip(model.plan.actions, model.sentences, strict=True)
+                )
+            ],
+        }
+        if hypotheses:
+            explanation['hypotheses'] = [
+                {
+                    'goal': model.goals[hypothesis.goal].name,
+                    'true_facts': list(hypothesis.true_facts),
+                    'plan': list(hypothesis.plan.actions),
+                    'cost': hypothesis.plan.cost,
+                    'probability': hypothesis.probability,
+                    'robot': index == model.robot,
+                }
+                for index, hypothesis in enumerate(model.hypotheses)
+            ]
+        explanation['seconds'] = asdict(self.preparation.seconds)
+        explanation['planner_calls'] = self.preparation.planner_calls
+        return explanation
+
+
+def robot_plan(task: Task, text: str, source: str = 'plan') -> Plan:
+    """Return π_R from its text, checked against the task.
+
+    Raises InputError for a text that is no plan of the task, NoPlanError for
+    an empty one unless the goal already holds.
+    """
+    steps = without_dummy(task, read_plan(text, source))
+    try:
+        cost = check_plan(task, steps, source)
+    except InputError as error:
+        if steps:
+            raise
+        raise NoPlanError(source, 'the robot has no current plan') from error
+    return Plan(tuple(step.action for step in steps), cost)
+
+
+def prepare(
+    task: Task,
+    plan: Plan | None,
+    user_model: UserModel,
+    planner: Planner,
+    *,
+    max_beliefs: int = 1024,
+    plans_per_belief: int = 1,
+    deadline: float | None = None,
+    cancelled: threading.Event | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Preparation:
+    """Plan for every belief that the user may hold, and return the mirror model.
+
+    Without a `plan` the robot's own is planned too (line 2 of Algorithm 1).
+    `deadline` is in seconds; `cancelled` and `progress` are the planner's.
+    Raises PlanningError, Cancelled, and InputError.
+    """
+    started = time.perf_counter()
+    prior = belief_prior(task, user_model, max_beliefs)
+    report = planner.plan(
+        prior.space,
+        prior.beliefs,
+        plans_per_belief=plans_per_belief,
+        deadline=deadline,
+        cancelled=cancelled,
+        progress=progress,
+    )
+    model = mirror_model(
+        prior,
+        report.results,
+        plan or _planned(report.results[prior.robot_belief]),
+        Sentences(action_parameters(task), user_model.templates, user_model.objects),
+        user_model.rationality,
+    )
+    seconds = Seconds(planning=time.perf_counter() - started)
+    return Preparation(model, seconds, report.planner_calls)
+
+
+def explain(
+    preparation: Preparation,
+    *,
+    strategy: str = 'informative',
+    n: int | None = 3,
+    threshold: float = 0.0,
+    said: Sequence[str] = (),
+    said_source: str = 'sentences said earlier',
+    selection_budget: float | None = 0.5,
+) -> Explanation:
+    """Choose what to say: `n` sentences, or all with None.
+
+    With a `threshold` (nats, above 0) only as many as bring the cross-entropy
+    below it, `n` at most. `said` are sentences that the listener has heard, from
+    `said_source`; `selection_budget` is in seconds. Raises InputError for a
+    sentence said that is not in the plan.
+    """
+    started = time.perf_counter()
+    model = preparation.model
+    heard = _positions_of(said, said_source, model)
+    evidence = model.evidence(heard)
+    at_most = len(evidence.positions) if n is None else n
+    required_gain = model.cross_entropy(heard) - threshold
+    if strategy != 'informative':
+        baseline = {'increasing': increasing, 'decreasing': decreasing}[strategy]
+        selection = baseline(evidence, at_most)
+    elif threshold > 0:
+        selection = smallest_sufficient(evidence, required_gain, at_most, selection_budget)
+    else:
+        selection = most_informative(evidence, at_most, selection_budget)
+    seconds = replace(preparation.seconds, selection=time.perf_counter() - started)
+    return Explanation(strategy, replace(preparation, seconds=seconds), selection, heard)
+
+
+def _planned(result: BeliefPlans) -> Plan:
+    """Return PLAN(P_R), or raise PlanningError if there is none."""
+    if result.status is Status.UNSOLVABLE:
+        raise PlanningError("the robot's own goal cannot be reached from its initial state")
+    if result.status is Status.UNKNOWN:
+        raise PlanningError(f"no plan was found for the robot's own goal ({result.reason})")
+    return result.plans[0]
+
+
+def _positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple[int, ...]:
+    """Return the first plan position of each sentence that was said."""
+    for sentence in said:
+        if sentence not in model.sentences:
+            raise InputError(source, f'no step of the plan is said as "{sentence}"')
+    return tuple(model.sentences.index(sentence) for sentence in dict.fromkeys(said))

@@ -1,0 +1,227 @@
+"""Keeps an explanation ready: newest input wins, work in one thread of its own.
+
+This is the node's engine room, without ROS: inputs go in, a state comes out,
+and whoever needs an answer waits here for the work to end.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from pathlib import Path
+
+from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
+from mirror_explainer.explainer import Preparation, prepare, robot_plan
+from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.planning import Planner
+from mirror_explainer.user_model import read_user_model
+
+# A robot publishes its problem and its plan one after the other: judge them together.
+SETTLING_SECONDS = 0.1
+LONGEST_SETTLING_SECONDS = 0.5
+
+
+@dataclass(frozen=True)
+class Text:
+    """A text from outside, and the file or topic that it came from."""
+
+    text: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The newest of everything that an explanation is made from, None where nothing came yet.
+
+    `domain_file` stands in for a domain that was not heard; `user_model_revision`
+    is anything that changes when the user model's file does.
+    """
+
+    domain: Text | None = None
+    domain_file: str = ''
+    problem: Text | None = None
+    plan: Text | None = None
+    user_model_file: str = ''
+    user_model_revision: object = None
+    max_beliefs: int = 1024
+    plans_per_belief: int = 1
+    deadline: float | None = None
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """What has to come before there is anything to explain."""
+        present = {
+            'domain (topic, or parameter domain_file)': self.domain or self.domain_file,
+            'problem (topic)': self.problem,
+            'plan (topic)': self.plan,
+            'user model (parameter user_model_file)': self.user_model_file,
+        }
+        return tuple(name for name, value in present.items() if not value)
+
+
+class Phase(Enum):
+    """What the updates are doing."""
+
+    WAITING = 'waiting'
+    WORKING = 'planning'
+    READY = 'ready'
+    ERROR = 'error'
+
+
+@dataclass(frozen=True)
+class State:
+    """Where things stand: `message` says it in words, `preparation` is there when READY.
+
+    `since` is in seconds of time.monotonic().
+    """
+
+    phase: Phase
+    message: str
+    preparation: Preparation | None = None
+    since: float = field(default_factory=time.monotonic)
+
+
+class Updates:
+    """Turns the newest inputs into a Preparation, in a thread of its own.
+
+    `on_state` is called from that thread whenever the phase changes. `close`
+    stops the work at once, ends the planner and frees everyone who waits.
+    """
+
+    def __init__(self, planner: Planner, on_state: Callable[[State], None]) -> None:
+        self._planner = planner
+        self._on_state = on_state
+        self._changed = threading.Condition()
+        self._state = State(Phase.WAITING, 'waiting for inputs')
+        self._newest: Inputs | None = None
+        self._pending = False
+        self._last_submit = 0.0
+        self._cancelled = threading.Event()
+        self._closed = False
+        self._task: tuple[Text, Text, Task] | None = None
+        # A daemon, for unified-planning's reader can't be interrupted in a huge text.
+        self._thread = threading.Thread(target=self._run, name='updates', daemon=True)
+        self._thread.start()
+
+    @property
+    def state(self) -> State:
+        """The current state."""
+        with self._changed:
+            return self._state
+
+    def submit(self, inputs: Inputs) -> None:
+        """Work on these inputs, and drop what is being worked on."""
+        with self._changed:
+            if inputs == self._newest:
+                return
+            self._newest = inputs
+            self._pending = True
+            self._last_submit = time.monotonic()
+            self._cancelled.set()
+            self._state = State(Phase.WORKING, 'reading the newest inputs')
+            self._changed.notify_all()
+
+    def wait(self, timeout: float) -> State:
+        """Return the state once no work is under way, or after `timeout` seconds."""
+        with self._changed:
+            self._changed.wait_for(
+                lambda: self._closed or self._state.phase is not Phase.WORKING, timeout
+            )
+            return self._state
+
+    def close(self, timeout: float = 1.0) -> None:
+        """Stop at once; wait up to `timeout` seconds for the thread to end."""
+        with self._changed:
+            self._closed = True
+            self._cancelled.set()
+            self._changed.notify_all()
+        self._planner.close()
+        self._thread.join(timeout)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closed or self._pending)
+                if self._closed:
+                    return
+                self._settle()
+                self._pending = False
+                self._cancelled = cancelled = threading.Event()
+                inputs = self._newest
+            assert inputs is not None  # something is pending only after a submit
+            try:
+                state = self._state_for(inputs, cancelled)
+            except Cancelled:
+                continue
+            with self._changed:
+                if self._pending or self._closed:
+                    continue
+                self._state = state
+                self._changed.notify_all()
+            self._on_state(state)
+
+    def _settle(self) -> None:
+        """Wait until inputs stop coming for a moment, but not for ever."""
+        latest = time.monotonic() + LONGEST_SETTLING_SECONDS
+        while not self._closed:
+            calm = self._last_submit + SETTLING_SECONDS
+            remaining = min(calm, latest) - time.monotonic()
+            if remaining <= 0:
+                return
+            self._changed.wait(remaining)
+
+    def _state_for(self, inputs: Inputs, cancelled: threading.Event) -> State:
+        """Do the work, and put what goes wrong in words."""
+        if inputs.missing:
+            return State(Phase.WAITING, f'waiting for {", ".join(inputs.missing)}')
+        try:
+            return State(Phase.READY, 'ready', self._prepare(inputs, cancelled))
+        except NoPlanError as error:
+            return State(Phase.WAITING, str(error))
+        except (InputError, PlanningError) as error:
+            return State(Phase.ERROR, str(error))
+        except Cancelled:
+            raise
+        except Exception as error:  # the node must outlive a fault of ours
+            return State(Phase.ERROR, f'internal error, please report it: {error!r}')
+
+    def _prepare(self, inputs: Inputs, cancelled: threading.Event) -> Preparation:
+        assert inputs.problem and inputs.plan  # nothing is missing
+        started = time.perf_counter()
+        task = self._read(inputs.domain or _read_file(inputs.domain_file), inputs.problem)
+        plan = robot_plan(task, inputs.plan.text, inputs.plan.source)
+        user_model = read_user_model(inputs.user_model_file, task)
+        read = time.perf_counter() - started
+        preparation = prepare(
+            task,
+            plan,
+            user_model,
+            self._planner,
+            max_beliefs=inputs.max_beliefs,
+            plans_per_belief=inputs.plans_per_belief,
+            deadline=inputs.deadline,
+            cancelled=cancelled,
+            progress=self._progress,
+        )
+        return replace(preparation, seconds=replace(preparation.seconds, read=read))
+
+    def _read(self, domain: Text, problem: Text) -> Task:
+        """Return the task, read again only when its texts changed."""
+        if self._task is None or self._task[:2] != (domain, problem):
+            task = read_task(domain.text, problem.text, domain.source, problem.source)
+            self._task = (domain, problem, task)
+        return self._task[2]
+
+    def _progress(self, done: int, beliefs: int) -> None:
+        with self._changed:
+            if not self._pending:
+                message = f'planning {done} of {beliefs}'
+                self._state = replace(self._state, message=message)
+
+
+def _read_file(path: str) -> Text:
+    try:
+        return Text(Path(path).read_text(encoding='utf-8-sig'), path)
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(path, f'the domain cannot be read: {error}') from error

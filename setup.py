@@ -1,0 +1,62 @@
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+PACKAGE = 'mirror_explainer'
+SHARE = f'share/{PACKAGE}'
+
+
+def data_files(folder):
+    """Return (target, files) pairs that install a folder as it is."""
+    folders = [Path(folder), *(path for path in Path(folder).rglob('*') if path.is_dir())]
+    return [
+        (f'{SHARE}/{path}', [str(file) for file in path.iterdir() if file.is_file()])
+        for path in folders
+    ]
+
+
+setup(
+    name=PACKAGE,
+    version='0.1.0',
+    packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
+        (SHARE, ['package.xml']),
+        *data_files('config'),
+        *data_files('launch'),
+    ],
+    python_requires='>=3.11',
+    install_requires=[
+        'numpy>=1.26',
+        'pydantic>=2.5',
+        'pyparsing>=3.1',
+        'pyyaml>=6.0',
+        'setuptools',
+        'unified-planning>=1.3,<2',
+        'up-fast-downward>=1.0,<2',
+    ],
+    extras_require={
+        'test': [
+            'hypothesis',
+            'mypy',
+            'pytest',
+            'pytest-benchmark',
+            'pytest-timeout',
+            'ruff',
+            'types-PyYAML',
+            'up-pyperplan',
+        ],
+    },
+    zip_safe=True,
+    maintainer='mirror_explainer maintainers',
+    maintainer_email='maintainers@users.noreply.h-seed-a46baa60.example',
+    description="Says the few actions of a robot's plan that tell the listener most.",
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'explainer_node = mirror_explainer.explainer_node:main',
+            'verbalize = mirror_explainer.verbalize:main',
+            'warehouse_robot = mirror_explainer.warehouse_robot:main',
+        ],
+    },
+)
