@@ -1,0 +1,269 @@
+"""Which actions to say (Section 'Informative Communication' of the paper): Algorithm 1.
+
+FIND-MOST-INFORMATIVE enumerates the C(|π_R|, N) combinations of actions and
+takes the one with the largest information gain (Eq. 3). `most_informative`
+returns the same one without enumerating: minimising
+F(o) = Σ_k w_k ∏_{i∈o} r_k(s_i), a branch and bound in `branch_and_bound`.
+
+Sets whose gains differ by less than 1e-9 are tied. Then the larger sum of the
+single-sentence gains wins, then the lexicographically smallest positions.
+"""
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from mirror_explainer.branch_and_bound import (
+    ROUNDING,
+    Columns,
+    Floats,
+    Ints,
+    Search,
+    log_sum,
+)
+from mirror_explainer.mirror_model import Evidence
+
+TIE = 1e-9  # nats
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Positions of the robot's plan to say, in plan order, and what saying them brings.
+
+    `information_gain` is in nats (Eq. 3). `gap`, in nats, bounds what a better
+    selection of the same size could add: 0 when there is none.
+    """
+
+    positions: tuple[int, ...]
+    information_gain: float
+    gap: float
+
+    @property
+    def optimal(self) -> bool:
+        """Whether no other selection of this size is known to be possibly better."""
+        return self.gap == 0.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of the informative order: the position said, and the nats it adds."""
+
+    position: int
+    information_gain: float
+
+
+def most_informative(evidence: Evidence, n: int, budget: float | None = None) -> Selection:
+    """FIND-MOST-INFORMATIVE of Algorithm 1: the best `n` positions, ties broken as above.
+
+    With a `budget` in seconds, the best found by then and its proven `gap`. A
+    gap of 0 means that no gain is larger by more than 1e-9, in any case; only
+    if time ran out between that proof and the end of the tie-break may an
+    equally informative selection with more telling single sentences exist.
+    """
+    columns = _columns(evidence)
+    return _select(evidence, columns, n, _greedy(columns), _deadline(budget))
+
+
+def curve(evidence: Evidence, budget: float | None = None) -> tuple[Selection, ...]:
+    """The most informative selections of 0, 1, ... and all positions.
+
+    The `budget` in seconds is for all together; every size gets an equal part
+    of what the smaller ones left over.
+    """
+    columns = _columns(evidence)
+    greedy = _greedy(columns)
+    return tuple(_select_all(evidence, columns, greedy, len(evidence.positions), budget))
+
+
+def smallest_sufficient(
+    evidence: Evidence, required_gain: float, at_most: int, budget: float | None = None,
+) -> Selection:
+    """The smallest selection that says enough: the threshold θ of the paper's Fig. 1.
+
+    Enough is a gain above `required_gain` = H(P_R, P_R^H) − θ, so that the
+    cross-entropy falls below θ; or the gain of saying everything, within
+    1e-9, should that be less. Without such a selection of `at_most`
+    positions, it is the most informative one of that size.
+    """
+    columns = _columns(evidence)
+    everything = -columns.log_value(columns.copies)
+    size = min(at_most, len(evidence.positions))
+    enough = Selection((), 0.0, 0.0)
+    for enough in _select_all(evidence, columns, _greedy(columns), size, budget):
+        gain = enough.information_gain
+        if gain > required_gain or gain >= everything - TIE:
+            break
+    return enough
+
+
+def increasing(evidence: Evidence, n: int) -> Selection:
+    """The paper's baseline: the first `n` positions in plan order."""
+    return _baseline(evidence, range(len(evidence.positions))[:max(n, 0)])
+
+
+def decreasing(evidence: Evidence, n: int) -> Selection:
+    """The paper's baseline: the last `n` positions of the plan."""
+    return _baseline(evidence, range(len(evidence.positions))[::-1][:max(n, 0)])
+
+
+def informative_order(evidence: Evidence) -> tuple[Step, ...]:
+    """All positions one at a time, each the best given those before it (Table 1)."""
+    columns = _columns(evidence)
+    unused = [list(of_sentence) for of_sentence in columns.columns]
+    steps = []
+    gain = 0.0
+    for sentence, gain_with in _greedy(columns):
+        position = int(evidence.positions[unused[sentence].pop(0)])
+        steps.append(Step(position, gain_with - gain))
+        gain = gain_with
+    return tuple(steps)
+
+
+def _columns(evidence: Evidence) -> Columns:
+    return Columns.of(evidence.prior, evidence.ratio)
+
+
+def _deadline(budget: float | None) -> float:
+    return math.inf if budget is None else time.monotonic() + budget
+
+
+def _selection(evidence: Evidence, columns: Columns, counts: Ints, gap: float) -> Selection:
+    """The lowest positions that say every sentence as often as `counts` (T,) has it."""
+    said = sorted(
+        column for of_sentence, count in zip(columns.columns, counts, strict=True)
+        for column in of_sentence[:count]
+    )
+    positions = tuple(int(evidence.positions[column]) for column in said)
+    return Selection(positions, -columns.log_value(counts), gap)
+
+
+def _baseline(evidence: Evidence, said: range) -> Selection:
+    """Say the columns `said`; the gap is to a bound that needs no search."""
+    columns = _columns(evidence)
+    counts = np.array([len(set(c) & set(said)) for c in columns.columns], dtype=np.int64)
+    log_value = columns.log_value(counts)
+    gap = max(0.0, log_value - columns.log_floor(len(said)))
+    positions = tuple(int(evidence.positions[column]) for column in sorted(said))
+    return Selection(positions, -log_value, gap if gap > TIE else 0.0)
+
+
+def _greedy(columns: Columns) -> list[tuple[int, float]]:
+    """Add sentences one at a time, the best next: each with the gain of all up to it.
+
+    Sentences are sorted by single gain, so the first of those tied for the
+    step and for the single gain that has the lowest position left is it.
+    """
+    ratio = np.exp(columns.log_ratio)
+    log_weight = columns.log_weight
+    used = np.zeros_like(columns.copies)
+    order = []
+    while (used < columns.copies).any():
+        reference = float(log_sum(log_weight))
+        with np.errstate(divide='ignore'):
+            gain = -(reference + np.log(np.exp(log_weight - reference) @ ratio))
+        left = used < columns.copies
+        tied = left & (gain >= gain[left].max() - TIE)
+        tied &= columns.single_gain >= columns.single_gain[tied].max() - TIE
+        best = min(np.flatnonzero(tied), key=lambda t: columns.columns[t][used[t]])
+        used[best] += 1
+        log_weight = log_weight + columns.log_ratio[:, best]
+        order.append((int(best), float(gain[best])))
+    return order
+
+
+def _swapped(columns: Columns, counts: Ints) -> Ints:
+    """Exchange one sentence for another, the best exchange first, as long as it helps."""
+    ratio = np.exp(columns.log_ratio)
+    log_value = columns.log_value(counts)
+    while True:
+        said = np.flatnonzero(counts)
+        without = counts - np.eye(len(counts), dtype=np.int64)[said]
+        value = np.exp(np.minimum(columns.log_products(without) - log_value, 600.0)) @ ratio
+        value[:, counts >= columns.copies] = np.inf
+        out, new = np.unravel_index(value.argmin(), value.shape)
+        if value[out, new] >= 1 - ROUNDING:
+            return counts
+        counts = without[out]
+        counts[new] += 1
+        log_value = columns.log_value(counts)
+
+
+def _select(
+    evidence: Evidence, columns: Columns, n: int, greedy: list[tuple[int, float]],
+    deadline: float,
+) -> Selection:
+    """Find the optimum from the greedy start, then settle the ties."""
+    n = min(max(n, 0), len(greedy))
+    counts = np.bincount(
+        [sentence for sentence, _ in greedy[:n]], minlength=len(columns.copies))
+    if 0 < n < len(greedy):
+        counts, gap = _optimum(columns, n, _swapped(columns, counts), deadline)
+        if gap == 0:
+            counts = _settled(columns, n, counts, deadline)
+    else:
+        gap = 0.0
+    return _selection(evidence, columns, counts, gap)
+
+
+def _select_all(
+    evidence: Evidence, columns: Columns, greedy: list[tuple[int, float]], largest: int,
+    budget: float | None,
+) -> Iterator[Selection]:
+    """The selections of 0, 1, ... `largest` positions, with equal parts of what time is left."""
+    deadline = _deadline(budget)
+    for n in range(largest + 1):
+        part = (deadline - time.monotonic()) / (largest + 1 - n)
+        yield _select(evidence, columns, n, greedy, time.monotonic() + part)
+
+
+def _optimum(columns: Columns, n: int, start: Ints, deadline: float) -> tuple[Ints, float]:
+    """The counts with the smallest F, no worse than `start`, and the proven gap in nats."""
+    best, value = start, 1.0
+    search = Search(columns, n, columns.log_value(start), 1 - ROUNDING, deadline=deadline)
+    for found in search.completions():
+        best, value = found.counts, found.value
+        search.limit = value * (1 - ROUNDING)
+    gap = math.log(value) - math.log(search.lower) if search.lower < value else 0.0
+    return best, gap if gap > TIE else 0.0
+
+
+def _settled(columns: Columns, n: int, best: Ints, deadline: float) -> Ints:
+    """Of all counts as good as `best`: the largest single gains, then the lowest positions."""
+    log_value = columns.log_value(best)
+    limit = math.exp(TIE)
+    most = float(best @ columns.single_gain)
+    search = Search(columns, n, log_value, limit, most + ROUNDING * n, deadline)
+    for found in search.completions():
+        best, most = found.counts, found.gain
+        search.least_gain = most + ROUNDING * n
+
+    at_least, at_most = np.zeros_like(best), columns.copies.copy()
+    sentence_of = {c: t for t, of_sentence in enumerate(columns.columns) for c in of_sentence}
+    for column in sorted(sentence_of):
+        sentence = sentence_of[column]
+        if at_least[sentence] == at_most[sentence]:
+            continue
+        with_it = at_least.copy()
+        with_it[sentence] += 1
+        if best[sentence] < with_it[sentence]:
+            found = _any(columns, n, log_value, limit, most - TIE, deadline, with_it, at_most)
+            if found is None:
+                at_most[sentence] = at_least[sentence]
+                continue
+            best = found
+        at_least = with_it
+    return best
+
+
+def _any(
+    columns: Columns, n: int, log_value: float, limit: float, least_gain: float,
+    deadline: float, at_least: Ints, at_most: Ints,
+) -> Ints | None:
+    """Some counts within the limits, if there are any."""
+    if at_least.sum() > n:
+        return None
+    search = Search(columns, n, log_value, limit, least_gain, deadline, at_least, at_most)
+    return next((found.counts for found in search.completions()), None)
