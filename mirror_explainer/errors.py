@@ -9,6 +9,7 @@ class InputError(ValueError):
     """
 
     def __init__(self, source: str, reason: str, line: int | None = None) -> None:
+        reason = ' '.join(reason.split())  # one line, whatever the texts quoted in it
         self.source = source
         self.reason = reason
         self.line = line

@@ -11,12 +11,13 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
-from mirror_explainer.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.mirror_model import Evidence, MirrorModel, mirror_model
 from mirror_explainer.pddl import Task
 from mirror_explainer.plan_text import check_plan, read_plan, without_dummy
 from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status
 from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import (
+    TIE,
     Selection,
     decreasing,
     increasing,
@@ -72,7 +73,12 @@ class Explanation:
         """The answer as a person hears it: one sentence a line."""
         if not self.preparation.model.sentences:
             return 'Nothing is left to do: my goal is reached.'
-        return '\n'.join(self.sentences) or 'You have heard every step of my plan.'
+        if self.sentences:
+            return '\n'.join(self.sentences)
+        heard = {self.preparation.model.sentences[position] for position in self.said}
+        if heard.issuperset(self.preparation.model.sentences):
+            return 'You have heard every step of my plan.'
+        return 'There is nothing that you need to hear of my plan.'
 
     def as_dict(self, hypotheses: bool = True) -> dict[str, Any]:
         """Return the explanation as plain values, ready for JSON."""
@@ -166,6 +172,8 @@ def prepare(
     """
     started = time.perf_counter()
     prior = belief_prior(task, user_model, max_beliefs)
+    if progress:
+        progress(0, len(prior.beliefs))
     report = planner.plan(
         prior.space,
         prior.beliefs,
@@ -210,13 +218,33 @@ def explain(
     required_gain = model.cross_entropy(heard) - threshold
     if strategy != 'informative':
         baseline = {'increasing': increasing, 'decreasing': decreasing}[strategy]
-        selection = baseline(evidence, at_most)
+        selection = (
+            _first_sufficient(baseline, evidence, required_gain, at_most)
+            if threshold > 0
+            else baseline(evidence, at_most)
+        )
     elif threshold > 0:
         selection = smallest_sufficient(evidence, required_gain, at_most, selection_budget)
     else:
         selection = most_informative(evidence, at_most, selection_budget)
     seconds = replace(preparation.seconds, selection=time.perf_counter() - started)
     return Explanation(strategy, replace(preparation, seconds=seconds), selection, heard)
+
+
+def _first_sufficient(
+    baseline: Callable[[Evidence, int], Selection],
+    evidence: Evidence,
+    required_gain: float,
+    at_most: int,
+) -> Selection:
+    """Return a baseline's first selection that says enough, as in `smallest_sufficient`."""
+    everything = baseline(evidence, len(evidence.positions)).information_gain
+    for n in range(min(at_most, len(evidence.positions))):
+        selection = baseline(evidence, n)
+        gain = selection.information_gain
+        if gain > required_gain or gain >= everything - TIE:
+            return selection
+    return baseline(evidence, at_most)
 
 
 def _planned(result: BeliefPlans) -> Plan:

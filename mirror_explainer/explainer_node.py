@@ -99,7 +99,9 @@ class ExplainerNode(Node):
                 (
                     'threshold',
                     0.0,
-                    number('say only as many as bring the cross-entropy below this (nats)', 0, 1e3),
+                    number(
+                        'say only as many as bring the cross-entropy below this (nats)', 0, 1e3
+                    ),
                 ),
                 ('strategy', 'informative', text(f'one of {", ".join(STRATEGIES)}')),
                 ('remember', False, text('whether each answer conditions the next')),
@@ -175,7 +177,8 @@ class ExplainerNode(Node):
         for warning in model.warnings:
             self.get_logger().warning(warning)
         self.get_logger().info(
-            f'ready: a plan of {len(model.sentences)} actions, {len(model.hypotheses)} hypotheses, '
+            f'ready: a plan of {len(model.sentences)} actions, '
+            f'{len(model.hypotheses)} hypotheses, '
             f'{preparation.planner_calls} planner calls in {preparation.seconds.planning:.2f} s'
         )
         self._answers.get(preparation, self._question())  # so that the first call finds it made
@@ -301,9 +304,7 @@ def _counted(
     description: str, least: int, most: int, read_only: bool = False
 ) -> ParameterDescriptor:
     between = [IntegerRange(from_value=least, to_value=most)]
-    return ParameterDescriptor(
-        description=description, integer_range=between, read_only=read_only
-    )
+    return ParameterDescriptor(description=description, integer_range=between, read_only=read_only)
 
 
 def _in_range(

@@ -101,13 +101,15 @@ class MirrorModel:
     def log_likelihood(self, positions: Sequence[int]) -> Array:
         """log P(o|π_k) = Σ_i log P(s_i|π_k), shape (K,), for o = the sentences said."""
         with np.errstate(divide='ignore'):  # log 0 = −∞: π_k does not say this sentence
-            return np.log(self.likelihood[:, list(positions)]).sum(axis=1)
+            log_likelihood: Array = np.log(self.likelihood[:, list(positions)]).sum(axis=1)
+        return log_likelihood
 
     def log_posterior(self, positions: Sequence[int] = ()) -> Array:
         """log P(π_k, b_k | o), where P ∝ P(b_k) P(π_k|b_k) P(o|π_k), shape (K,)."""
         with np.errstate(divide='ignore'):
             log_joint = np.log(self.prior) + self.log_likelihood(positions)
-        return log_joint - np.logaddexp.reduce(log_joint)
+        log_posterior: Array = log_joint - np.logaddexp.reduce(log_joint)
+        return log_posterior
 
     def cross_entropy(self, positions: Sequence[int] = ()) -> float:
         """H(P_R, P_R^H | o) = −log P(π_R, b_R | o) in nats (Eq. 1); 0 is full understanding."""
@@ -121,7 +123,7 @@ class MirrorModel:
         """P(G = g | o), shape (number of goals,)."""
         goal = [hypothesis.goal for hypothesis in self.hypotheses]
         weights = np.exp(self.log_posterior(positions))
-        return np.bincount(goal, weights=weights, minlength=len(self.goals))
+        return np.bincount(goal, weights, len(self.goals)).astype(np.float64)
 
     def understanding(self, positions: Sequence[int] = ()) -> float:
         """P(G = G_R | o): how sure the user is of the robot's true goal, in [0, 1]."""
@@ -139,7 +141,7 @@ class MirrorModel:
         ratio = self.likelihood[:, left] / self.likelihood[self.robot, left]
         distinct, merged_into = np.unique(ratio, axis=0, return_inverse=True)
         weights = np.bincount(merged_into.reshape(-1), weights=np.exp(self.log_posterior(said)))
-        return Evidence(weights, distinct, np.array(left, dtype=np.int64))
+        return Evidence(weights.astype(np.float64), distinct, np.array(left, dtype=np.int64))
 
 
 def mirror_model(
@@ -234,9 +236,15 @@ def _planning_warnings(prior: Prior, results: Sequence[BeliefPlans]) -> Iterator
     for index, (belief, result) in enumerate(zip(prior.beliefs, results, strict=True)):
         status = Status.SOLVED if index == prior.robot_belief else result.status
         statuses.setdefault(belief.goal, set()).add(status)
-    for goal, found in statuses.items():
-        if found == {Status.UNSOLVABLE}:
-            yield f'the candidate goal "{prior.goals[goal].name}" cannot be reached, and is left out'
+    unreachable = [
+        f'"{prior.goals[goal].name}"'
+        for goal, found in sorted(statuses.items())
+        if found == {Status.UNSOLVABLE}
+    ]
+    if unreachable:
+        more = f' and {len(unreachable) - 3} more' if len(unreachable) > 3 else ''
+        named = ', '.join(unreachable[:3])
+        yield f'candidate goals that cannot be reached are left out: {named}{more}'
     unknown = [result for result in results if result.status is Status.UNKNOWN]
     if unknown:
         yield (

@@ -72,13 +72,16 @@ def read_task(
     The sources name the file or topic in errors. Raises InputError for a text
     that is not PDDL, is inconsistent, or has durative actions or processes.
     """
+    domain, problem = domain.removeprefix('\ufeff'), problem.removeprefix('\ufeff')
     _require_definition(domain, 'domain', domain_source)
     _require_definition(problem, 'problem', problem_source)
     try:
         model = PDDLReader().parse_problem_string(domain, problem)
     except _READER_ERRORS as error:
         _raise_for_domain_alone(domain, domain_source)
-        raise _input_error(error, problem, problem_source, _domain_hint(domain, problem)) from error
+        raise _input_error(
+            error, problem, problem_source, _domain_hint(domain, problem)
+        ) from error
     durative = [a.name for a in model.actions if isinstance(a, up.DurativeAction)]
     if durative or not all(isinstance(a, up.InstantaneousAction) for a in model.actions):
         raise InputError(
@@ -205,13 +208,15 @@ class _Expressions:
     def _variables(self, words: Sequence[Any]) -> dict[str, up.Variable]:
         """Return the variables of "(?a ?b - type …)" by name, question mark included."""
         bound: dict[str, up.Variable] = {}
-        for names, type_name in re.findall(r'((?:\?\S+\s*)+)(?:-\s*(\S+))?', _text(words)[1:-1]):
+        for names, type_name in re.findall(
+            r'((?:\?\S+\s*)+)(?:-\s*(\S+))?', _text(words).lower()[1:-1]
+        ):
             try:
                 variable_type = self._model.user_type(type_name or 'object')
             except UPException:
                 self._fault(f'the domain has no type "{type_name or "object"}"')
                 continue
-            for name in names.lower().split():
+            for name in names.split():
                 bound[name] = up.Variable(name[1:], variable_type, self._model.environment)
         return bound
 
@@ -232,7 +237,10 @@ def _tree(text: str, source: str) -> Any:
     try:
         return pyparsing.nested_expr().parse_string(text, parse_all=True).as_list()[0]
     except pyparsing.ParseBaseException as error:
-        raise InputError(source, f'"{text.strip()}" is not one expression in balanced parentheses') from error
+        shown = text.strip()[:80]
+        raise InputError(
+            source, f'"{shown}" is not one expression in balanced parentheses'
+        ) from error
     except RecursionError as error:
         raise InputError(source, 'the text is nested too deeply') from error
 
@@ -247,11 +255,14 @@ def _require_definition(text: str, kind: str, source: str) -> None:
         raise InputError(source, f'the text is empty; a PDDL {kind} is expected')
     found = re.match(r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\s*\(\s*([\w-]+)', text, re.IGNORECASE)
     if found is None:
-        raise InputError(source, f'this is no PDDL {kind}: it must begin with (define ({kind} …)', 1)
+        raise InputError(
+            source, f'this is no PDDL {kind}: it must begin with (define ({kind} …)', 1
+        )
     if found[1].lower() != kind:
         raise InputError(
             source,
-            f'this is a PDDL {found[1].lower()}, but a {kind} is expected here: are the two mixed up?',
+            f'this is a PDDL {found[1].lower()}, but a {kind} is expected here: '
+            'are the two mixed up?',
             text.count('\n', 0, found.end()) + 1,
         )
 
@@ -289,8 +300,13 @@ def _input_error(error: Exception, text: str, source: str, hint: str) -> InputEr
         flags=re.IGNORECASE,
     )[0]
     message = re.sub(r'^UP\w+\(["\'](.*?)["\']\)$', r'\1', message.strip())
-    message = re.sub(r'^(Not able to handle|Found invalid expression): ', 'unknown name in ', message)
-    message = message.split(' Different elements')[0].rstrip('.!')
+    message = re.sub(
+        r'^(Not able to handle|Found invalid expression): ', 'unknown name in ', message
+    )
+    message = message.split(' Different elements')[0].rstrip('.!').removeprefix('In FluentExp, ')
+    message = message.replace(
+        'is not well-formed', 'does not fit its declaration: are its arguments of the right types?'
+    )
     if isinstance(error, KeyError):
         message = f'{message} is not declared'
     name = re.search(r"'([\w-]+)'|Name ([\w-]+)", message)

@@ -20,12 +20,13 @@ from mirror_explainer.pddl import Task, atom_text, ground_text
 _NUMBER = r'\d+(?:\.\d*)?(?:e[+-]?\d+)?'
 _WORD = r'[^\s()\[\],;:]+'
 # "step 0:" or "0.000:", then the action, then "[duration]" or "[D:1.00; C:0.10]", then a comment.
+# No two runs of white space may meet in it: a line of spaces would take quadratic time.
 _LINE = re.compile(
-    rf'\s*(?:(?:step\s+)?(?P<start>{_NUMBER})\s*:)?\s*'
+    rf'(?:(?:step\s+)?(?P<start>{_NUMBER})\s*:\s*)?'
     rf'(?:\(\s*(?P<lisp>{_WORD}(?:\s+{_WORD})*)\s*\)'
-    rf'|(?P<name>{_WORD})\s*\(\s*(?P<arguments>{_WORD}(?:\s*,\s*{_WORD})*)?\s*\)'
+    rf'|(?P<name>{_WORD})\s*\(\s*(?:(?P<arguments>{_WORD}(?:\s*,\s*{_WORD})*)\s*)?\)'
     rf'|(?P<bare>{_WORD}(?:[ \t]+{_WORD})*))'
-    r'\s*(?:\[[^\]]*\])?\s*(?:;.*)?',
+    r'(?:\s*\[[^\]]*\])?(?:\s*;.*)?',
     re.IGNORECASE,
 )
 _HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\s*', re.IGNORECASE)
@@ -50,9 +51,10 @@ def read_plan(text: str, source: str = 'plan') -> tuple[Step, ...]:
     An empty text, or one of comments only, is the empty plan. Raises
     InputError with line and text for anything that is no plan line.
     """
+    text = text.removeprefix('\ufeff')
     if re.match(r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\b', text, re.IGNORECASE):
         raise InputError(source, 'this is a PDDL definition, but a plan is expected here', 1)
-    steps = list(_timed_steps(text.removeprefix('\ufeff'), source))
+    steps = list(_timed_steps(text, source))
     timed = [step for start, step in steps if start is not None]
     if timed and len(timed) < len(steps):
         line = next(step.line for start, step in steps if start is None)
@@ -98,7 +100,7 @@ def _timed_steps(text: str, source: str) -> Iterator[tuple[float | None, Step]]:
             content = line[header.end() :]
         if re.fullmatch(r'\s*(;.*)?', content):
             continue
-        found = _LINE.fullmatch(content)
+        found = _LINE.fullmatch(content.strip())
         # A bare word is an action after "0:", or as unified-planning prints one without arguments.
         if not found or (found['bare'] and not found['start'] and not in_up_plan):
             raise InputError(source, f'this is no action of a plan: "{line.strip()[:80]}"', number)
@@ -118,9 +120,7 @@ def _action_instance(task: Task, step: Step, source: str) -> ActionInstance:
     action = model.action(name)
     if len(arguments) != len(action.parameters):
         count = len(action.parameters)
-        raise InputError(
-            source, f'{step.action}: "{name}" takes {count} arguments', step.line
-        )
+        raise InputError(source, f'{step.action}: "{name}" takes {count} arguments', step.line)
     objects = []
     for argument, parameter in zip(arguments, action.parameters, strict=True):
         if not model.has_object(argument):

@@ -80,8 +80,10 @@ def belief_prior(task: Task, user_model: UserModel, max_beliefs: int = 1024) -> 
             _most_probable_first([factor.probability for factor in factors]), max_beliefs
         )
     }
-    if robot not in taken:
+    if not taken.get(robot):
+        taken.pop(robot, None)
         taken = dict([*taken.items()][: max_beliefs - 1]) | {robot: robot_probability}
+        taken = dict(sorted(taken.items(), key=lambda item: -item[1]))
     facts = [*user_model.uncertain_facts, *(fact for group in user_model.one_of for fact in group)]
     texts = tuple(goal.goal for goal in goals)
     return Prior(

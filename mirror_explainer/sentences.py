@@ -37,11 +37,13 @@ def template_faults(template: Template, parameters: tuple[str, ...]) -> list[str
             faults.append(f'"{wording}": {error}')
             continue
         for _, name, spec, conversion in fields:
-            if name is not None and (name not in parameters or spec or conversion):
+            if name is not None and name not in parameters:
                 faults.append(
                     f'"{wording}": {{{name}}} is no parameter of the action '
                     f'(it has {_listed(parameters)})'
                 )
+            elif spec or conversion:
+                faults.append(f'"{wording}": write {{{name}}} without a format')
     return faults
 
 

@@ -3,8 +3,9 @@
 All faults of a file are reported in one error, each with its line.
 """
 
+import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,7 +14,7 @@ import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.pddl import Task, atom_text, fluent_expression, goal_expression
+from mirror_explainer.pddl import Task, fluent_expression, goal_expression
 from mirror_explainer.sentences import Template, action_parameters, template_faults
 
 
@@ -76,8 +77,8 @@ class _Wording(_Section):
 class _File(_Section):
     """The file's schema; what only the domain can tell is checked afterwards."""
 
-    goals: Annotated[list[_Goal], Field(min_length=1)] | None = None
-    hyps_file: _Text | None = None
+    goals: Annotated[list[_Goal], Field(min_length=1)] = []
+    hyps_file: _Text = ''
     uncertain_facts: list[_UncertainFact] = []
     one_of: list[_OneOf] = []
     rationality: _Weight = 1.0
@@ -137,10 +138,11 @@ def _parsed(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
         mark = error.problem_mark or error.context_mark
         reason = f'no YAML that can be read: {error.problem or error.context}'
         raise InputError(source, reason, mark.line + 1 if mark else None) from error
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
+    except (yaml.YAMLError, RecursionError, ValueError, LookupError, AttributeError) as error:
+        # The last three: PyYAML's constructors meet a tag such as !!int on a text that is none.
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(source, f'no YAML that can be read: {reason}') from error
-    if not isinstance(data, dict):
+    if root is None or not isinstance(data, dict):
         raise InputError(source, 'the user model must be a mapping with "goals" or "hyps_file"', 1)
     return root, data
 
@@ -150,13 +152,12 @@ def _user_model(file: _File, goals: Sequence[_Goal]) -> UserModel:
     weights = [1.0 if goal.probability is None else goal.probability for goal in goals]
     return UserModel(
         goals=tuple(
-            CandidateGoal(goal.name or goal.goal, goal.goal, weight / sum(weights))
-            for goal, weight in zip(goals, weights, strict=True)
+            CandidateGoal(goal.name or goal.goal, goal.goal, probability)
+            for goal, probability in zip(goals, _normalised(weights), strict=True)
         ),
         uncertain_facts={_canonical(f.fact): f.probability for f in file.uncertain_facts},
         one_of=tuple(
-            {_canonical(atom): weight / sum(group.facts.values())
-             for atom, weight in group.facts.items()}
+            dict(zip(map(_canonical, group.facts), _normalised(group.facts.values()), strict=True))
             for group in file.one_of
         ),
         rationality=file.rationality,
@@ -175,6 +176,13 @@ def _user_model(file: _File, goals: Sequence[_Goal]) -> UserModel:
     )
 
 
+def _normalised(weights: Collection[float]) -> list[float]:
+    """Return the weights as probabilities; their sum may be beyond what a float can hold."""
+    largest = max(weights)
+    total = math.fsum(weight / largest for weight in weights)
+    return [weight / largest / total for weight in weights]
+
+
 def _goals(
     data: Mapping[str, Any], folder: Path, task: Task | None
 ) -> tuple[list[_Goal], list[_Fault]]:
@@ -187,8 +195,9 @@ def _goals(
         for index, entry in enumerate(data['goals']):
             try:
                 placed.append((('goals', index), '', _Goal.model_validate(entry)))
-            except ValidationError:
-                continue  # the whole file's validation reports it
+            except ValidationError:  # the whole file's validation reports it
+                if isinstance(entry, dict) and isinstance(entry.get('goal'), str):
+                    faults += _expression_faults(task, entry['goal'], ('goals', index, 'goal'))
     elif isinstance(data.get('hyps_file'), str) and data['hyps_file'].strip():
         path = folder / data['hyps_file']
         try:
@@ -207,17 +216,24 @@ def _goals(
         if name in names:
             faults.append(_Fault(place, f'{where}another candidate is named "{name}" too'))
         names.add(name)
-        if task is not None:
-            try:
-                goal_expression(task.model, goal.goal)
-            except InputError as error:
-                faults.append(_Fault((*place, 'goal'), where + error.reason))
+        faults += _expression_faults(task, goal.goal, place if where else (*place, 'goal'), where)
     weights = [goal.probability for _, _, goal in placed]
     if None in weights and any(weight is not None for weight in weights):
         faults.append(_Fault(('goals',), 'give every goal a probability, or none'))
-    elif weights and None not in weights and not sum(weights):
+    elif weights and None not in weights and not any(weights):
         faults.append(_Fault(('goals',), 'every goal has probability 0'))
     return [goal for _, _, goal in placed], faults
+
+
+def _expression_faults(
+    task: Task | None, goal: str, path: tuple[str | int, ...], where: str = ''
+) -> Iterator[_Fault]:
+    """Find what the domain does not have in a goal."""
+    if task is not None:
+        try:
+            goal_expression(task.model, goal)
+        except InputError as error:
+            yield _Fault(path, where + error.reason)
 
 
 def _fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[_Fault]:
@@ -261,15 +277,22 @@ def _sentence_faults(
         if not isinstance(action, str) or action.lower() not in parameters:
             yield _Fault(path, f'the domain has no action "{action}"')
             continue
-        try:
-            wording = _Wording.model_validate(
-                {'template': entry} if isinstance(entry, str) else entry
-            )
-        except ValidationError:
-            continue  # the whole file's validation reports it
-        template = Template(wording.template, wording.when)
-        for reason in template_faults(template, parameters[action.lower()]):
+        for reason in template_faults(_wording(entry), parameters[action.lower()]):
             yield _Fault(path, reason)
+
+
+def _wording(entry: object) -> Template:
+    """Return as much of an action's sentences as is well-formed; the schema reports the rest."""
+    parts = entry if isinstance(entry, dict) else {'template': entry}
+    template, when = parts.get('template'), parts.get('when')
+    return Template(
+        template if isinstance(template, str) else '',
+        {
+            name: {item: said for item, said in by_object.items() if isinstance(said, str)}
+            for name, by_object in (when.items() if isinstance(when, dict) else ())
+            if isinstance(by_object, dict)
+        },
+    )
 
 
 def _canonical(atom: str) -> str:
@@ -310,8 +333,17 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
     if detail['type'] == 'missing':
         return 'this key is missing'
     if detail['type'] == 'float_type' and isinstance(detail['input'], str):
-        return f'"{detail["input"]}" is no number (YAML wants a point in 1.0e-3)'
-    return detail['msg'].replace('Input should be', 'this should be')
+        hint = ' (YAML wants a point in 1.0e-3)' if 'e' in detail['input'].lower() else ''
+        return f'"{detail["input"]}" is a text, not a number{hint}'
+    if detail['type'] in ('model_type', 'dict_type'):
+        return 'this should be a mapping: "key: value" lines, or {key: value}'
+    if detail['type'] == 'list_type':
+        return 'this should be a list: lines that begin with "- ", or [one, another]'
+    if detail['type'] == 'too_short':
+        return 'there is nothing in it'
+    if detail['type'] in ('string_too_short', 'string_pattern_mismatch'):
+        return 'this text is blank'
+    return str(detail['msg']).replace('Input should be', 'this should be')
 
 
 def _report(faults: Sequence[_Fault], root: yaml.Node) -> tuple[str, int | None]:

@@ -140,13 +140,13 @@ def _measures(selection: Selection, model: MirrorModel, said: Sequence[int]) -> 
 
 
 def _summary(explanation: Explanation) -> str:
-    """Return one line on how well the user now understands, and more only if something is amiss."""
+    """Return one line on how well the listener now understands, and on what is amiss."""
     told = explanation.as_dict(hypotheses=False)
     model = explanation.preparation.model
     goal = model.goals[model.hypotheses[model.robot].goal].name
     summary = (
-        f'The listener now holds the robot\'s goal "{goal}" for {told["understanding"]:.0%} likely '
-        f'({told["understanding_before"]:.0%} before); '
+        f'The listener now holds the robot\'s goal "{goal}" '
+        f'for {told["understanding"]:.0%} likely ({told["understanding_before"]:.0%} before); '
         f'{told["information_gain"]:.2f} of {told["cross_entropy_before"]:.2f} nats told.'
     )
     if not explanation.selection.optimal:
@@ -188,7 +188,7 @@ def _read(path: str) -> str:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='verbalize',
-        description='Say the few actions of a robot\'s plan that tell the listener most.',
+        description="Say the few actions of a robot's plan that tell the listener most.",
         epilog='Exit status: 0, or 2 for bad input.',
     )
     files = parser.add_argument_group('input')
@@ -199,7 +199,9 @@ def _parser() -> argparse.ArgumentParser:
     files.add_argument('--said', metavar='FILE', help='sentences said earlier, one a line')
     choice = parser.add_argument_group('what to say')
     choice.add_argument(
-        '-n', type=_count, help='how many sentences (default 3; with --threshold as many as needed)'
+        '-n',
+        type=_count,
+        help='how many sentences (default 3; with --threshold as many as needed)',
     )
     choice.add_argument(
         '--threshold', type=_seconds, default=0.0, metavar='NATS',
@@ -232,24 +234,27 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _count(text: str) -> int:
-    return _at_least(0, int(text))
+    return _at_least(0, text)
 
 
 def _positive(text: str) -> int:
-    return _at_least(1, int(text))
+    return _at_least(1, text)
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = float('nan')
     if not 0 <= value < float('inf'):
-        raise argparse.ArgumentTypeError(f'{text} is no number from 0 up')
+        raise argparse.ArgumentTypeError(f'"{text}" is no number from 0 up')
     return value
 
 
-def _at_least(least: int, value: int) -> int:
-    if value < least:
-        raise argparse.ArgumentTypeError(f'{value} is below {least}')
-    return value
+def _at_least(least: int, text: str) -> int:
+    if not text.isdecimal() or int(text) < least:
+        raise argparse.ArgumentTypeError(f'"{text}" is no whole number from {least} up')
+    return int(text)
 
 
 if __name__ == '__main__':

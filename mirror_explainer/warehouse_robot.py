@@ -55,7 +55,9 @@ class WarehouseRobot(Node):
 
     def _text(self, name: str, default: Path) -> str:
         """Return the content of the file that a parameter names."""
-        descriptor = ParameterDescriptor(description=f'the file with the {name[:-5]}', read_only=True)
+        descriptor = ParameterDescriptor(
+            description=f'the file with the {name[:-5]}', read_only=True
+        )
         path = self.declare_parameter(name, str(default), descriptor).value
         return Path(path).read_text(encoding='utf-8')
 

@@ -26,9 +26,7 @@ def main() -> int:
         explained.set()
 
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.create_subscription(
-        String, 'mirror_explainer/explanation', on_explanation, latched
-    )
+    node.create_subscription(String, 'mirror_explainer/explanation', on_explanation, latched)
     client = node.create_client(Trigger, 'verbalize_plan')
     executor = SingleThreadedExecutor()
     executor.add_node(node)
@@ -67,11 +65,13 @@ def ask(client, explanations: list[dict], explained: threading.Event) -> int:
     for step in explanation['plan']:
         mark = '>' if step['position'] in explanation['positions'] else ' '
         print(f'  {mark} {step["position"]}  {step["action"]:32} {step["sentence"]}')
-    print('\nYou ask: "What are you up to?"  (ros2 service call /verbalize_plan '
-          'std_srvs/srv/Trigger)\n')
+    print(
+        '\nYou ask: "What are you up to?"  (ros2 service call /verbalize_plan '
+        'std_srvs/srv/Trigger)\n'
+    )
     print('\n'.join(f'  Robot: "{sentence}"' for sentence in answer.message.splitlines()))
     before, after = explanation['understanding_before'], explanation['understanding']
-    print(f'\nHow likely you find the robot\'s true goal: {before:.0%} before, {after:.0%} now.')
+    print(f"\nHow likely you find the robot's true goal: {before:.0%} before, {after:.0%} now.")
     return 0
 
 

@@ -1,0 +1,233 @@
+"""What the node's tests need: the built node as a real process, and a peer that talks to it."""
+
+import os
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import rclpy
+from ament_index_python.packages import get_package_prefix
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+CONFIG = Path(__file__).parents[1] / 'config' / 'warehouse'
+DOMAIN = (CONFIG / 'domain.pddl').read_text()
+PROBLEM = (CONFIG / 'problem.pddl').read_text()
+PLAN = (CONFIG / 'plan.txt').read_text()
+USER_MODEL = str(CONFIG / 'user_model.yaml')
+THREE_SENTENCES = (
+    'I will grab a blue cube.\nI will grab a red circle.\nI will exit from the bottom door.'
+)
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+VOLATILE = QoSProfile(depth=1)
+PATIENCE = 60.0  # s: far more than anything takes; only a hang runs into it
+
+
+def eventually(condition: Callable[[], object], what: str) -> object:
+    """Wait until the condition is true, and return its value."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.02)
+    raise AssertionError(f'never came: {what}')
+
+
+class Peer:
+    """A node in the test's own process: publishes, calls, sets parameters, listens."""
+
+    def __init__(self, namespace: str) -> None:
+        self.node = Node('peer', namespace=namespace)
+        self.explainer = f'{namespace}/mirror_explainer'
+        self.diagnostics: list[DiagnosticStatus] = []
+        self._heard: dict[str, list[str]] = {}
+        self._publishers: dict[tuple[str, bool], rclpy.publisher.Publisher] = {}
+        self._clients: dict[str, rclpy.client.Client] = {}
+        self.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._executor.spin, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._executor.shutdown()
+        self._thread.join()
+        self.node.destroy_node()
+
+    def _on_diagnostics(self, array: DiagnosticArray) -> None:
+        name = f'{self.explainer.lstrip("/")}: explanation'
+        self.diagnostics += [status for status in array.status if status.name == name]
+
+    def publish(self, topic: str, text: str, *, latched: bool = True, heard: bool = True) -> None:
+        """Publish; with `heard` wait for the subscriber first, as a volatile publisher must."""
+        key = (topic, latched)
+        if key not in self._publishers:
+            qos = LATCHED if latched else VOLATILE
+            self._publishers[key] = self.node.create_publisher(String, topic, qos)
+        publisher = self._publishers[key]
+        if heard:
+            eventually(publisher.get_subscription_count, f'a subscriber of {topic}')
+        publisher.publish(String(data=text))
+
+    def publish_warehouse(self, **how: bool) -> None:
+        self.publish('domain', DOMAIN, **how)
+        self.publish('problem', PROBLEM, **how)
+        self.publish('plan', PLAN, **how)
+
+    def start_call(self, service: str = 'verbalize_plan') -> 'Call':
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(Trigger, service)
+        client = self._clients[service]
+        assert client.wait_for_service(PATIENCE), f'{service} is not served'
+        return Call(client.call_async(Trigger.Request()))
+
+    def call(self, service: str = 'verbalize_plan') -> Trigger.Response:
+        return self.start_call(service).result()
+
+    def answer(self) -> str:
+        """Call until the newest inputs were heard and there is an answer; return its text."""
+        response = eventually(
+            lambda: (found := self.call()).success and found, 'an answer that succeeds'
+        )
+        return response.message
+
+    def failure(self, expected: str) -> str:
+        """Call until the answer is a failure that has the expected words; return it."""
+        response = eventually(
+            lambda: not (found := self.call()).success and expected in found.message and found,
+            f'a failure with "{expected}"',
+        )
+        return response.message
+
+    def set_parameters(self, **values: object) -> list[tuple[bool, str]]:
+        client = AsyncParameterClient(self.node, self.explainer)
+        assert client.wait_for_services(PATIENCE)
+        parameters = [Parameter(name, value=value) for name, value in values.items()]
+        results = Call(client.set_parameters(parameters)).result().results
+        return [(result.successful, result.reason) for result in results]
+
+    def hear(self, topic: str) -> list[str]:
+        """Return the list that the topic's messages go to, latched ones included."""
+        if topic not in self._heard:
+            texts = self._heard.setdefault(topic, [])
+            self.node.create_subscription(
+                String, topic, lambda message: texts.append(message.data), LATCHED
+            )
+        return self._heard[topic]
+
+
+class Call:
+    """A call under way."""
+
+    def __init__(self, future: rclpy.task.Future) -> None:
+        self._future = future
+        self._done = threading.Event()
+        future.add_done_callback(lambda _: self._done.set())
+
+    @property
+    def done(self) -> bool:
+        return self._done.is_set()
+
+    def result(self):
+        assert self._done.wait(PATIENCE), 'no answer to the call'
+        return self._future.result()
+
+
+class Process:
+    """An executable of the package, as `ros2 run` would start it."""
+
+    def __init__(
+        self, executable: str, namespace: str, log: Path, arguments: Sequence[str] = ()
+    ) -> None:
+        prefix = Path(get_package_prefix('mirror_explainer'))
+        self._log = log
+        with log.open('wb') as output:
+            self.popen = subprocess.Popen(
+                [
+                    prefix / 'lib' / 'mirror_explainer' / executable,
+                    '--ros-args',
+                    '-r',
+                    f'__ns:={namespace}',
+                    *arguments,
+                ],
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            )
+
+    @property
+    def log(self) -> str:
+        return self._log.read_text(errors='replace')
+
+    def descendants(self) -> set[int]:
+        """Return the process numbers of everything that this process started."""
+        parents = {}
+        for stat in Path('/proc').glob('[0-9]*/stat'):
+            try:
+                fields = stat.read_text().rsplit(')', 1)[1].split()
+            except OSError:
+                continue
+            parents[int(stat.parent.name)] = int(fields[1])
+        found = {self.popen.pid}
+        while more := {pid for pid, parent in parents.items() if parent in found} - found:
+            found |= more
+        return found - {self.popen.pid}
+
+    def stop(self, number: signal.Signals = signal.SIGTERM) -> int:
+        """Send the signal, and return the exit status."""
+        self.popen.send_signal(number)
+        return self.popen.wait(PATIENCE)
+
+
+def name_of(pid: int) -> str:
+    """Return the program that a process runs, '' once it has ended."""
+    try:
+        return Path(f'/proc/{pid}/comm').read_text().strip()
+    except OSError:
+        return ''
+
+
+def alive(pids: set[int]) -> set[int]:
+    """Return those of the processes that still run (zombies do not)."""
+    running = set()
+    for pid in pids:
+        try:
+            state = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()[0]
+        except OSError:
+            continue
+        if state != 'Z':
+            running.add(pid)
+    return running
+
+
+@contextmanager
+def running(
+    executable: str, namespace: str, folder: Path, **parameters: object
+) -> Iterator[Process]:
+    """Run an executable of the package with these parameters, and end it afterwards."""
+    given = {name: value for name, value in parameters.items() if value != ''}
+    arguments = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
+    process = Process(executable, namespace, folder / f'{executable}.log', arguments)
+    try:
+        yield process
+    finally:
+        if process.popen.poll() is None:
+            os.kill(process.popen.pid, signal.SIGTERM)
+            try:
+                process.popen.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.popen.kill()
+                process.popen.wait()
+        print(process.log)

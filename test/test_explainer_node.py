@@ -1,0 +1,355 @@
+"""The node as users meet it: a real process, spoken to over DDS."""
+
+import itertools
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+
+import rclpy
+import sliding_tiles
+from diagnostic_msgs.msg import DiagnosticStatus
+from ros_peer import (
+    CONFIG,
+    DOMAIN,
+    PLAN,
+    PROBLEM,
+    THREE_SENTENCES,
+    USER_MODEL,
+    Peer,
+    alive,
+    eventually,
+    name_of,
+    running,
+)
+
+_namespaces = (f'/robot{number}' for number in itertools.count())
+
+
+@pytest.fixture(scope='module', autouse=True)
+def ros() -> Iterator[None]:
+    rclpy.init()
+    yield
+    rclpy.try_shutdown()
+
+
+@pytest.fixture
+def peer() -> Iterator[Peer]:
+    """A peer in a namespace of its own, so that no test hears another."""
+    peer = Peer(next(_namespaces))
+    yield peer
+    peer.close()
+
+
+def explainer(peer: Peer, folder: Path, **parameters: object):
+    parameters = {'user_model_file': USER_MODEL, 'answer_timeout': 30.0} | parameters
+    return running('explainer_node', peer.node.get_namespace(), folder, **parameters)
+
+
+def last_diagnostic(peer: Peer) -> dict[str, str]:
+    status = peer.diagnostics[-1]
+    return {value.key: value.value for value in status.values} | {
+        'level': status.level,
+        'message': status.message,
+    }
+
+
+def test_a_robot_that_latched_its_plan_before_the_node_started_is_explained(peer, tmp_path):
+    peer.publish_warehouse(latched=True, heard=False)
+    with explainer(peer, tmp_path):
+        answer = peer.answer()
+    assert answer == THREE_SENTENCES
+
+
+def test_volatile_messages_after_the_start_are_explained(peer, tmp_path):
+    with explainer(peer, tmp_path):
+        peer.publish_warehouse(latched=False)
+        answer = peer.answer()
+    assert answer == THREE_SENTENCES
+
+
+def test_a_latched_message_that_both_subscriptions_hear_is_worked_on_once(peer, tmp_path):
+    with explainer(peer, tmp_path) as node:
+        peer.publish_warehouse(latched=True)
+        peer.answer()
+        peer.publish('plan', PLAN + '; the same plan, told again\n')
+        eventually(lambda: node.log.count('ready: a plan') == 2, 'the second preparation')
+        time.sleep(0.5)  # a message handled twice would be prepared a third time by now
+        count = node.log.count('ready: a plan')
+    assert count == 2
+
+
+def test_the_domain_may_come_from_a_file_and_a_message_replaces_it(peer, tmp_path):
+    with explainer(peer, tmp_path, domain_file=CONFIG / 'domain.pddl'):
+        peer.publish('problem', PROBLEM)
+        peer.publish('plan', PLAN)
+        from_file = peer.answer()
+        peer.publish('domain', '(define (domain other))')
+        reason = peer.failure('the domain given is "other"')
+    assert from_file == THREE_SENTENCES
+    assert reason
+
+
+def test_the_answer_is_published_for_speech_and_dashboards_and_stays_latched(peer, tmp_path):
+    with explainer(peer, tmp_path):
+        peer.publish_warehouse()
+        answer = peer.answer()
+        spoken = peer.hear('mirror_explainer/verbalization')
+        reported = peer.hear('mirror_explainer/explanation')
+        eventually(lambda: spoken and reported, 'the latched answer')
+    explanation = json.loads(reported[-1])
+    assert spoken[-1] == answer
+    assert explanation['sentences'] == answer.split('\n')
+    assert 'hypotheses' not in explanation
+
+
+def test_the_answer_over_ros_is_the_answer_of_verbalize(peer, tmp_path):
+    command = [sys.executable, '-m', 'mirror_explainer.verbalize', '--json']
+    for name, file in (
+        ('domain', 'domain.pddl'),
+        ('problem', 'problem.pddl'),
+        ('plan', 'plan.txt'),
+    ):
+        command += [f'--{name}', str(CONFIG / file)]
+    visitor = str(CONFIG / 'visitor.yaml')
+    offline = json.loads(
+        subprocess.run([*command, '--user-model', visitor], check=True, capture_output=True).stdout
+    )
+    with explainer(peer, tmp_path, user_model_file=visitor):
+        peer.publish_warehouse()
+        peer.answer()
+        reported = peer.hear('mirror_explainer/explanation')
+        eventually(lambda: reported, 'the latched answer')
+    online = json.loads(reported[-1])
+    for key in ('seconds', 'planner_calls', 'hypotheses'):
+        offline.pop(key)
+        online.pop(key, None)
+    assert online == offline
+
+
+def test_two_clients_at_once_both_get_the_answer(peer, tmp_path):
+    with explainer(peer, tmp_path):
+        peer.publish_warehouse()
+        calls = [peer.start_call() for _ in range(2)]
+        other = Peer(peer.node.get_namespace())
+        calls += [other.start_call() for _ in range(2)]
+        responses = [call.result() for call in calls]
+        other.close()
+        answer = peer.answer()
+    assert answer == THREE_SENTENCES
+    assert all(r.message == answer for r in responses if r.success)
+
+
+def test_parameters_act_at_once(peer, tmp_path):
+    with explainer(peer, tmp_path):
+        peer.publish_warehouse()
+        peer.answer()
+        peer.set_parameters(n=1)
+        one = peer.call().message
+        peer.set_parameters(n=2, strategy='decreasing')
+        last_two = peer.call().message
+        peer.set_parameters(n=10, strategy='informative', threshold=1.1)
+        sufficient = peer.call().message
+        peer.set_parameters(user_model_file=str(tmp_path / 'nowhere.yaml'))
+        without_model = peer.call()
+        peer.set_parameters(user_model_file=USER_MODEL, threshold=0.0, n=3)
+        again = peer.call()
+    assert one == 'I will exit from the bottom door.'
+    assert last_two == 'I will navigate to the right corridor.\nI will exit from the bottom door.'
+    # H is 3.40 nats before, and 1.04 after the two grabs (see test_explainer.py).
+    assert sufficient == 'I will grab a blue cube.\nI will grab a red circle.'
+    assert not without_model.success
+    assert 'nowhere.yaml' in without_model.message
+    assert again.message == THREE_SENTENCES
+
+
+def test_values_out_of_range_and_read_only_parameters_are_refused_with_a_reason(peer, tmp_path):
+    with explainer(peer, tmp_path):
+        (strategy,) = peer.set_parameters(strategy='random')
+        (too_few,) = peer.set_parameters(n=-1)
+        (planner,) = peer.set_parameters(planner='pyperplan')
+    assert not strategy[0]
+    assert 'informative, increasing, decreasing' in strategy[1]
+    assert not too_few[0]
+    assert not planner[0]
+
+
+def test_with_remember_asking_again_tells_more_until_all_is_told(peer, tmp_path):
+    with explainer(peer, tmp_path, remember=True, n=2):
+        peer.publish_warehouse()
+        first = peer.answer().split('\n')
+        second = peer.call().message.split('\n')
+        for _ in range(4):
+            last = peer.call().message
+        forgotten = peer.call('mirror_explainer/forget')
+        after = peer.call().message.split('\n')
+    assert not set(first) & set(second)
+    assert last == 'You have heard every step of my plan.'
+    assert forgotten.success
+    assert after == first
+
+
+BAD_INPUTS = {
+    'PDDL that does not parse': ('problem', PROBLEM[:-40], '/problem'),
+    'a plan for another problem': ('plan', '(fly a b)', '/plan, line 1: the domain has no action'),
+    'an unknown object': ('plan', '(move left mars)', 'no object "mars"'),
+    'a first action that fails': ('plan', '(grab red_cube red_room)', '(robot-at red_room)'),
+    'a plan that stops early': ('plan', '(move left center)', 'does not reach the goal'),
+    'a problem on the plan topic': ('plan', PROBLEM, 'a plan is expected here'),
+    'a plan on the problem topic': ('problem', PLAN, 'must begin with (define (problem'),
+    'a domain on the problem topic': ('problem', DOMAIN, 'a problem is expected here'),
+    'an empty problem': ('problem', '', 'the text is empty'),
+    'an empty plan': ('plan', '', 'no current plan'),
+    'an empty domain': ('domain', ' \n', 'the text is empty'),
+    'noise': ('plan', 'x y\n' * 1_250_000, '/plan, line 1: this is no action'),
+    'noise in place of PDDL': ('problem', '\x7f(§' * 1_250_000, '/problem'),
+}
+
+
+def test_bad_input_is_named_in_answer_log_and_diagnostics_and_good_input_heals_it(peer, tmp_path):
+    good = {'domain': DOMAIN, 'problem': PROBLEM, 'plan': PLAN}
+    with explainer(peer, tmp_path) as node:
+        peer.publish_warehouse()
+        peer.answer()
+        for what, (topic, text, expected) in BAD_INPUTS.items():
+            peer.publish(topic, text)
+            reason = peer.failure(expected)
+            assert '\n' not in reason, what
+            eventually(lambda: reason in node.log, f'{what} in the log')  # noqa: B023
+            eventually(
+                lambda: last_diagnostic(peer)['message'] == reason,  # noqa: B023
+                f'{what} in the diagnostics',
+            )
+            peer.publish(topic, good[topic])
+            assert peer.answer() == THREE_SENTENCES, what
+        eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'ready')
+        assert last_diagnostic(peer)['level'] == DiagnosticStatus.OK
+        assert node.popen.poll() is None
+
+
+def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(peer, tmp_path):
+    user_model = tmp_path / 'user_model.yaml'
+    user_model.write_text('goals:\n  - goal: (holding nothing)\n  - goal: (outside red_cube)\n')
+    with explainer(peer, tmp_path, user_model_file=user_model):
+        peer.publish_warehouse()
+        reason = peer.failure('2 faults')
+        user_model.write_text(Path(USER_MODEL).read_text())
+        mended = peer.answer()
+    assert 'line 2' in reason
+    assert 'line 3' in reason
+    assert mended == THREE_SENTENCES
+
+
+def test_what_is_missing_is_said_at_once(peer, tmp_path):
+    with explainer(peer, tmp_path, user_model_file=''):
+        nothing = peer.failure('waiting for')
+        peer.publish('domain', DOMAIN)
+        peer.publish('plan', PLAN)
+        eventually(
+            lambda: 'plan (topic)' not in peer.call().message, 'domain and plan to be heard'
+        )
+        rest = peer.call().message
+    assert all(word in nothing for word in ('domain', 'problem', 'plan', 'user_model_file'))
+    assert rest == 'waiting for problem (topic), user model (parameter user_model_file)'
+
+
+def test_an_engine_that_is_not_installed_is_named(peer, tmp_path):
+    with explainer(peer, tmp_path, planner='no-such-engine'):
+        peer.publish_warehouse()
+        reason = peer.failure('no-such-engine')
+    assert reason
+
+
+def tiles_explainer(peer: Peer, folder: Path, **parameters: object):
+    """An explainer for the 15-puzzle, patient enough to plan for the whole test."""
+    user_model = folder / 'tiles.yaml'
+    user_model.write_text(sliding_tiles.USER_MODEL)
+    return explainer(
+        peer, folder, user_model_file=user_model, planning_timeout=600.0, **parameters
+    )
+
+
+def publish_tiles(peer: Peer, moves: int) -> None:
+    problem, plan = sliding_tiles.scrambled(moves)
+    peer.publish('domain', sliding_tiles.DOMAIN)
+    peer.publish('problem', problem)
+    peer.publish('plan', plan)
+
+
+def test_a_replan_while_a_call_waits_is_what_the_call_answers(peer, tmp_path):
+    with tiles_explainer(peer, tmp_path):
+        publish_tiles(peer, moves=200)
+        eventually(
+            lambda: peer.diagnostics and last_diagnostic(peer)['message'] == 'planning 0 of 2',
+            'planning',
+        )
+        waiting = peer.start_call()
+        peer.set_parameters(n=1)  # answered although a call waits
+        still_waiting = not waiting.done
+        publish_tiles(peer, moves=3)
+        answer = waiting.result()
+    _, plan = sliding_tiles.scrambled(3)
+    assert still_waiting
+    assert answer.success, answer.message
+    assert answer.message in [f'I will {step.strip("()")}.' for step in plan.split('\n')]
+
+
+def test_a_call_that_waited_in_vain_says_how_far_the_work_is(peer, tmp_path):
+    with tiles_explainer(peer, tmp_path, answer_timeout=0.2):
+        publish_tiles(peer, moves=200)
+        reason = peer.failure('planning 0 of 2')
+    assert reason == 'the explanation is not ready yet: planning 0 of 2'
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_in_the_middle_of_planning_ends_node_and_planners(peer, tmp_path, number):
+    with tiles_explainer(peer, tmp_path) as node:
+        publish_tiles(peer, moves=200)
+        eventually(lambda: 'downward' in map(name_of, node.descendants()), 'a running search')
+        peer.start_call()
+        started = node.descendants()
+        before = time.monotonic()
+        status = node.stop(number)
+        took = time.monotonic() - before
+        left = alive(started)
+    assert status == 0
+    assert took < 2.0  # what the README promises
+    assert not left
+    assert 'Traceback' not in node.log
+
+
+def test_the_demo_robot_is_explained_at_every_step_until_nothing_is_left(peer, tmp_path):
+    with (
+        explainer(peer, tmp_path, n=1),
+        running('warehouse_robot', peer.node.get_namespace(), tmp_path, step_period=0.5),
+    ):
+        answers = [peer.answer()]
+        while answers[-1] != 'Nothing is left to do: my goal is reached.':
+            response = peer.call()
+            if response.success and response.message != answers[-1]:
+                answers.append(response.message)
+            assert len(answers) < 20, answers
+    assert answers[0] == 'I will exit from the bottom door.'
+    assert len(answers) >= 2
+
+
+def test_the_robot_with_a_low_battery_tells_the_visitor_so(peer, tmp_path):
+    with (
+        explainer(peer, tmp_path, user_model_file=CONFIG / 'visitor.yaml', n=4),
+        running(
+            'warehouse_robot',
+            peer.node.get_namespace(),
+            tmp_path,
+            problem_file=CONFIG / 'low_battery_problem.pddl',
+            plan_file=CONFIG / 'low_battery_plan.txt',
+        ),
+    ):
+        answer = peer.answer()
+    assert 'I will recharge my battery.' in answer.split('\n')
