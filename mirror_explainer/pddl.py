@@ -90,9 +90,9 @@ def read_task(
             'can be explained',
             _line_of(':durative-action', domain),
         )
-    conjuncts = _conjuncts(model.environment.expression_manager.And(model.goals))
+    goals = conjuncts(model.environment.expression_manager.And(model.goals))
     model.clear_goals()
-    for conjunct in conjuncts:
+    for conjunct in goals:
         model.add_goal(conjunct)
     return Task(domain, problem, model)
 
@@ -107,9 +107,16 @@ def ground_text(name: str, arguments: Iterable[str]) -> str:
     return f'({" ".join([name, *arguments])})'.lower()
 
 
+def conjuncts(goal: up.FNode) -> list[up.FNode]:
+    """Return the conditions that a goal or precondition asks for together, in order."""
+    if goal.is_and():
+        return [literal for part in goal.args for literal in conjuncts(part)]
+    return [] if goal.is_true() else [goal]
+
+
 def literals(goal: up.FNode) -> frozenset[up.FNode]:
     """Return the conjuncts of a goal. Two goals are equal when these sets are equal."""
-    return frozenset(_conjuncts(goal))
+    return frozenset(conjuncts(goal))
 
 
 def fluent_expression(model: up.Problem, atom: str, source: str = 'fact') -> up.FNode:
@@ -224,12 +231,6 @@ class _Expressions:
         close = difflib.get_close_matches(name, names, n=1)
         self._faults.append(f'{reason} (did you mean "{close[0]}"?)' if close else reason)
         return self._manager.TRUE()
-
-
-def _conjuncts(goal: up.FNode) -> list[up.FNode]:
-    if goal.is_and():
-        return [literal for part in goal.args for literal in _conjuncts(part)]
-    return [] if goal.is_true() else [goal]
 
 
 def _tree(text: str, source: str) -> Any:

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 from unified_planning.engines import (
     SequentialPlanValidator,
-    UPSequentialSimulator,
     ValidationResult,
     ValidationResultStatus,
 )
 from unified_planning.exceptions import UPException
 from unified_planning.model import FNode
+from unified_planning.model.walkers import StateEvaluator
 from unified_planning.plans import ActionInstance, SequentialPlan
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.pddl import Task, atom_text, ground_text
+from mirror_explainer.pddl import Task, atom_text, conjuncts, ground_text
 
 _NUMBER = r'\d+(?:\.\d*)?(?:e[+-]?\d+)?'
 _WORD = r'[^\s()\[\],;:]+'
@@ -143,18 +143,22 @@ def _failure(
     task: Task, steps: tuple[Step, ...], result: ValidationResult, source: str
 ) -> InputError:
     """Say which action fails first and what it lacks, or which goal is not reached."""
-    simulator = UPSequentialSimulator(task.model)
+    evaluator = StateEvaluator(task.model)
     assert result.trace is not None  # the sequential validator always returns one
     state = result.trace[-1]
     if result.inapplicable_action is None:
-        missing = simulator.get_unsatisfied_goals(state)
+        missing = [g for g in task.model.goals if not evaluator.evaluate(g, state).is_true()]
         return InputError(source, f'the plan does not reach the goal: {_conditions(missing)}')
     position = len(result.trace) - 1
     step = steps[position]
     instance = result.inapplicable_action
-    conditions, _ = simulator.get_unsatisfied_conditions(state, instance)
     bound = dict(zip(instance.action.parameters, instance.actual_parameters, strict=True))
-    missing = [condition.substitute(bound) for condition in conditions]
+    missing = [
+        condition.substitute(bound)
+        for precondition in instance.action.preconditions
+        for condition in conjuncts(precondition)
+        if not evaluator.evaluate(condition.substitute(bound), state).is_true()
+    ]
     lacks = _conditions(missing) if missing else 'its effects contradict each other'
     return InputError(
         source,

@@ -1,0 +1,42 @@
+"""The example warehouse, and user models as files, for many tests."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.user_model import UserModel, read_user_model
+
+WAREHOUSE = Path(__file__).parent.parent / 'config' / 'warehouse'
+
+
+@pytest.fixture(scope='session')
+def warehouse() -> Path:
+    """Return the folder of the example."""
+    return WAREHOUSE
+
+
+@pytest.fixture(scope='session')
+def task() -> Task:
+    """Return the example's task as read."""
+    domain, problem = WAREHOUSE / 'domain.pddl', WAREHOUSE / 'problem.pddl'
+    return read_task(domain.read_text(), problem.read_text())
+
+
+@pytest.fixture
+def model_file(tmp_path: Path) -> Callable[[str], Path]:
+    """Return a function that writes a user model's YAML to a file."""
+
+    def write(text: str) -> Path:
+        path = tmp_path / 'user.yaml'
+        path.write_text(text, encoding='utf-8')
+        return path
+
+    return write
+
+
+@pytest.fixture
+def read_model(model_file: Callable[[str], Path], task: Task) -> Callable[[str], UserModel]:
+    """Return a function that reads a user model's YAML text against the example's task."""
+    return lambda text: read_user_model(model_file(text), task)

@@ -1,0 +1,347 @@
+"""Reading PDDL: tasks, goals and atoms, and the place of what is wrong."""
+
+import re
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.pddl import (
+    Task,
+    atom_text,
+    fluent_expression,
+    goal_expression,
+    ground_text,
+    literals,
+    read_task,
+)
+
+DOMAIN = """\
+; one lamp
+(define (domain lamps)
+  (:requirements :strips :typing)
+  (:types lamp - thing switch - thing)
+  (:predicates (lit ?l - lamp) (wired ?s - switch ?l - lamp) (power))
+  (:action press
+    :parameters (?s - switch ?l - lamp)
+    :precondition (and (wired ?s ?l) (power))
+    :effect (lit ?l)))
+"""
+PROBLEM = """\
+; the hall
+(define (problem hall)
+  (:domain lamps)
+  (:objects l1 l2 - lamp s1 - switch)
+  (:init (power)
+         (wired s1 l1))
+  (:goal (lit l1)))
+"""
+
+
+@pytest.fixture(scope='module')
+def lamps() -> Task:
+    return read_task(DOMAIN, PROBLEM)
+
+
+def test_a_task_gives_its_initial_facts_and_goal_as_canonical_texts(lamps: Task) -> None:
+    assert lamps.initial_facts == {'(power)', '(wired s1 l1)'}
+    assert lamps.goal_text == '(lit l1)'
+    assert {atom_text(literal) for literal in literals(lamps.goal)} == {'(lit l1)'}
+
+
+@pytest.mark.parametrize(
+    'change',
+    [
+        str.upper,
+        lambda text: text.replace('\n', '\r\n'),
+        lambda text: '\ufeff' + text,
+        lambda text: re.sub(r'\s+', ' ', re.sub(';.*', '', text)),
+        lambda text: text.replace('\n', ' ; a (comment :goal\n'),
+    ],
+    ids=['capitals', 'CRLF', 'BOM', 'one line', 'comments'],
+)
+def test_letter_case_line_ends_and_comments_change_nothing(change) -> None:
+    task = read_task(change(DOMAIN), change(PROBLEM))
+
+    assert task.initial_facts == {'(power)', '(wired s1 l1)'}
+    assert task.goal_text == '(lit l1)'
+    assert [action.name for action in task.model.actions] == ['press']
+
+
+def test_a_nested_goal_is_flattened_to_its_literals() -> None:
+    nested = PROBLEM.replace('(lit l1)))', '(and (and (lit l1)) (and) (not (lit l2)))))')
+
+    task = read_task(DOMAIN, nested)
+
+    assert task.goal_text == '(and (and (lit l1)) (and) (not (lit l2)))'
+    assert len(literals(task.goal)) == 2
+    assert len(task.model.goals) == 2
+
+
+DOMAIN_FAULTS = {
+    'empty': ('', 'domain: the text is empty; a PDDL domain is expected'),
+    'blank': (' \n\t', 'domain: the text is empty; a PDDL domain is expected'),
+    'no PDDL': (
+        'hello',
+        'domain, line 1: this is no PDDL domain: it must begin with (define (domain …)',
+    ),
+    'a problem': (
+        PROBLEM,
+        'domain, line 2: this is a PDDL problem, but a domain is expected here: '
+        'are the two mixed up?',
+    ),
+    'a plan': ('(press s1 l1)', 'domain, line 1: this is no PDDL domain'),
+    'unknown type': (DOMAIN.replace('?l - lamp)', '?l - lmp)', 1), 'domain, line 5: '),
+    'unknown predicate': (
+        DOMAIN.replace('(power))\n    :eff', '(powr))\n    :eff'),
+        'domain, line 8: ',
+    ),
+    'unknown variable': (DOMAIN.replace('(lit ?l)))', '(lit ?x)))'), 'domain, line 9: '),
+    'unknown section': (DOMAIN.replace(':precondition', ':precond'), 'domain, line 8: '),
+    'a parenthesis missing': (DOMAIN.rstrip()[:-1], 'domain, line '),
+    'a parenthesis too much': (DOMAIN + ')', 'domain, line 10: '),
+    'an action twice': (
+        DOMAIN.rstrip()[:-1] + '\n  (:action press :parameters () :effect (power)))',
+        'domain, line 6: Name press already defined',
+    ),
+    'nested deeply': (DOMAIN.replace('(and (wi', '(and ' * 3000 + '(wi'), 'domain'),
+}
+
+
+@pytest.mark.parametrize(('text', 'said'), DOMAIN_FAULTS.values(), ids=DOMAIN_FAULTS)
+def test_a_bad_domain_is_refused_with_its_place(text: str, said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        read_task(text, PROBLEM)
+
+    assert str(refused.value).startswith(said)
+    assert '\n' not in str(refused.value)
+
+
+PROBLEM_FAULTS = {
+    'empty': ('', 'problem: the text is empty; a PDDL problem is expected'),
+    'a domain': (DOMAIN, 'problem, line 2: this is a PDDL domain, but a problem is expected'),
+    'unknown object': (PROBLEM.replace('(wired s1 l1)', '(wired s1 l9)'), 'problem, line 6: '),
+    'unknown predicate': (PROBLEM.replace('(power)', '(powr)'), 'problem, line 5: '),
+    'unknown type': (PROBLEM.replace('- switch', '- swich'), 'problem, line 4: '),
+    'wrong type': (
+        PROBLEM.replace('(lit l1)', '(lit s1)'),
+        "problem, line 7: The expression 'lit(s1)' does not fit its declaration",
+    ),
+    'wrong number of arguments': (PROBLEM.replace('(lit l1)', '(lit)'), 'problem'),
+    'no goal': (PROBLEM.replace('(:goal (lit l1))', ''), 'problem'),
+    'cut off': (PROBLEM[:-20], 'problem, line '),
+    'an object twice': (PROBLEM.replace('l2', 'l1'), 'problem, line 4: '),
+}
+
+
+@pytest.mark.parametrize(('text', 'said'), PROBLEM_FAULTS.values(), ids=PROBLEM_FAULTS)
+def test_a_bad_problem_is_refused_with_its_place(text: str, said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        read_task(DOMAIN, text)
+
+    assert str(refused.value).startswith(said)
+    assert '\n' not in str(refused.value)
+
+
+def test_errors_name_the_file_or_topic_that_the_text_came_from() -> None:
+    with pytest.raises(InputError, match='^/robot/problem: the text is empty'):
+        read_task(DOMAIN, '', 'lamps.pddl', '/robot/problem')
+    with pytest.raises(InputError, match='^lamps.pddl: the text is empty'):
+        read_task('', PROBLEM, 'lamps.pddl', '/robot/problem')
+
+
+def test_a_problem_of_another_domain_that_does_not_fit_is_told_so() -> None:
+    other = PROBLEM.replace('(:domain lamps)', '(:domain doors)').replace('power', 'open')
+
+    with pytest.raises(InputError) as refused:
+        read_task(DOMAIN, other)
+
+    assert '(the problem is for domain "doors", and the domain given is "lamps")' in str(
+        refused.value
+    )
+
+
+def test_durative_actions_are_refused_by_name() -> None:
+    durative = """
+    (define (domain d)
+      (:requirements :strips :durative-actions)
+      (:predicates (p))
+      (:durative-action wait
+        :parameters ()
+        :duration (= ?duration 1)
+        :condition (at start (p))
+        :effect (at end (p))))
+    """
+
+    with pytest.raises(InputError) as refused:
+        read_task(durative, '(define (problem x) (:domain d) (:init (p)) (:goal (p)))')
+
+    assert str(refused.value) == (
+        'domain, line 5: it has durative actions (wait); '
+        'only actions without duration can be explained'
+    )
+
+
+@pytest.mark.parametrize(
+    ('goal', 'expected'),
+    [
+        ('(lit l1)', 'lit(l1)'),
+        ('(LIT  L1)', 'lit(l1)'),
+        ('(not (lit l1))', '(not lit(l1))'),
+        ('(and (lit l1) (not (power)))', '(lit(l1) and (not power))'),
+        ('(or (lit l1) (power))', '(lit(l1) or power)'),
+        ('(imply (power) (lit l1))', '(power implies lit(l1))'),
+        ('(forall (?l - lamp) (lit ?l))', 'Forall (lamp - thing l) lit(l)'),
+        (
+            '(exists (?X - LAMP) (and (LIT ?x) (power)))',
+            'Exists (lamp - thing x) (lit(x) and power)',
+        ),
+        (
+            '(forall (?s - switch ?a ?b - lamp) (imply (wired ?s ?a) (not (wired ?s ?b))))',
+            'Forall (switch - thing s, lamp - thing a, lamp - thing b) '
+            '(wired(s, a) implies (not wired(s, b)))',
+        ),
+        (
+            '(exists (?a - lamp) (forall (?b - lamp) (imply (lit ?b) (= ?a ?b))))',
+            'Exists (lamp - thing a) Forall (lamp - thing b) (lit(b) implies (a == b))',
+        ),
+        ('(and)', 'true'),
+    ],
+)
+def test_goal_descriptions_of_every_kind_are_understood(
+    lamps: Task, goal: str, expected: str
+) -> None:
+    # unified-planning puts some pairs of parentheses more around connectives.
+    def plain(text):
+        return re.sub(r'[()\s]+', ' ', text).split()
+
+    assert plain(str(goal_expression(lamps.model, goal))) == plain(expected)
+
+
+def test_a_quantified_goal_equals_the_same_goal_of_the_problem() -> None:
+    text = '(and (forall (?l - lamp) (or (lit ?l) (power))) (not (lit l2)))'
+    task = read_task(DOMAIN, PROBLEM.replace('(lit l1)', text))
+
+    candidate = goal_expression(task.model, f'(and (and {text[5:]})')
+
+    assert literals(candidate) == literals(task.goal)
+
+
+GOAL_FAULTS = {
+    '(lit l9)': 'the problem has no object "l9"',
+    '(lti l1)': '(lti l1): the domain has no predicate "lti" (did you mean "lit"?)',
+    '(lit)': '(lit): "lit" takes 1 arguments, not 0',
+    '(power l1)': '(power l1): "power" takes 0 arguments, not 1',
+    '(lit s1)': '(lit s1): s1 is of type switch, but "lit" takes a lamp there',
+    '(lit ?l)': 'the problem has no object "?l"',
+    '(forall (?l - lmp) (power))': 'the domain has no type "lmp"',
+    '(forall (?s - switch) (lit ?s))': '(lit ?s): ?s is of type switch, but "lit" takes a lamp',
+    '(and power)': '"power" is no PDDL condition',
+    '((lit l1))': '"((lit l1))" is no PDDL condition',
+    '(lit (l1))': '"(lit (l1))" is no atom such as (predicate object)',
+    '(not (lit l1) (power))': '"(not (lit l1) (power))" is no atom',
+    'lit l1': '"lit l1" is not one expression in balanced parentheses',
+    '(lit l1': '"(lit l1" is not one expression in balanced parentheses',
+    '(lit l1) (power)': '"(lit l1) (power)" is not one expression in balanced parentheses',
+    '': '"" is not one expression in balanced parentheses',
+}
+
+
+@pytest.mark.parametrize(('goal', 'said'), GOAL_FAULTS.items(), ids=GOAL_FAULTS)
+def test_a_bad_goal_is_refused_in_words(lamps: Task, goal: str, said: str) -> None:
+    with pytest.raises(InputError) as refused:
+        goal_expression(lamps.model, goal)
+
+    assert refused.value.reason.startswith(said)
+
+
+def test_all_faults_of_a_goal_are_told_at_once(lamps: Task) -> None:
+    with pytest.raises(InputError) as refused:
+        goal_expression(lamps.model, '(and (lti l1) (or (lit l9) (not (power s1))))')
+
+    assert refused.value.reason == (
+        '(lti l1): the domain has no predicate "lti" (did you mean "lit"?); '
+        'the problem has no object "l9"; '
+        '(power s1): "power" takes 0 arguments, not 1'
+    )
+
+
+def test_a_goal_nested_too_deeply_is_refused(lamps: Task) -> None:
+    with pytest.raises(InputError, match='nested too deeply'):
+        goal_expression(lamps.model, '(not ' * 1000 + '(power)' + ')' * 1000)
+
+
+def test_a_number_is_no_fact() -> None:
+    domain = DOMAIN.replace('(:action', '(:functions (watts ?l - lamp) - number)\n  (:action')
+    task = read_task(domain, PROBLEM)
+
+    with pytest.raises(InputError, match='"watts" is a number, not a fact'):
+        goal_expression(task.model, '(watts l1)')
+
+
+def test_an_atom_is_understood_and_a_condition_is_no_atom(lamps: Task) -> None:
+    assert atom_text(fluent_expression(lamps.model, '( WIRED  s1 l1 )')) == '(wired s1 l1)'
+    assert ground_text('Wired', ['S1', 'l1']) == '(wired s1 l1)'
+    with pytest.raises(InputError, match='is no atom'):
+        fluent_expression(lamps.model, '(not (power))')
+
+
+def test_five_megabytes_of_noise_are_refused_at_once() -> None:
+    for noise in ('x' * 5_000_000, '(' * 5_000_000, ' ' * 5_000_000, ';\n' * 2_500_000, '\0' * 99):
+        with pytest.raises(InputError):
+            read_task(noise, PROBLEM)
+        with pytest.raises(InputError):
+            read_task(DOMAIN, noise)
+
+
+# A mutation cuts a piece out, or puts something else in its place.
+PIECES = st.sampled_from(
+    [
+        '',
+        '(',
+        ')',
+        '?',
+        '-',
+        ':',
+        ';',
+        '\n',
+        ' ',
+        'and',
+        '(not',
+        '(:goal',
+        '(:init',
+        '0',
+        '(= 1 2)',
+    ]
+    + ['l1', '?l', '- lamp', '(power)', '\ufeff', '\0', 'é', '"', "'", '(either a b)', '(:types)']
+) | st.text(max_size=5)
+MUTATIONS = st.lists(st.tuples(st.integers(0, 400), st.integers(0, 40), PIECES), max_size=3)
+
+
+def mutated(text: str, mutations: list[tuple[int, int, str]]) -> str:
+    for start, length, piece in mutations:
+        start %= len(text) + 1
+        text = text[:start] + piece + text[start + length :]
+    return text
+
+
+@settings(
+    max_examples=150,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+@given(MUTATIONS, MUTATIONS, MUTATIONS)
+def test_whatever_the_texts_only_input_errors_of_one_line_escape(
+    of_domain: list, of_problem: list, of_goal: list
+) -> None:
+    domain, problem = mutated(DOMAIN, of_domain), mutated(PROBLEM, of_problem)
+    goal = mutated('(forall (?l - lamp) (imply (power) (lit ?l)))', of_goal)
+    try:
+        task = read_task(domain, problem)
+        assert task.goal_text.startswith('(')
+        assert all(fact.startswith('(') for fact in task.initial_facts)
+        goal_expression(task.model, goal)
+    except InputError as error:
+        assert len(str(error).splitlines()) == 1
