@@ -145,8 +145,8 @@ def _summary(explanation: Explanation) -> str:
     model = explanation.preparation.model
     goal = model.goals[model.hypotheses[model.robot].goal].name
     summary = (
-        f'The listener now holds the robot\'s goal "{goal}" '
-        f'for {told["understanding"]:.0%} likely ({told["understanding_before"]:.0%} before); '
+        f'The listener now finds the robot\'s goal "{goal}" {told["understanding"]:.0%} likely '
+        f'({told["understanding_before"]:.0%} before); '
         f'{told["information_gain"]:.2f} of {told["cross_entropy_before"]:.2f} nats told.'
     )
     if not explanation.selection.optimal:

@@ -1,6 +1,6 @@
 """A warm call beside an empty Trigger service, in one run.
 
-`pytest test/benchmark_explainer_node.py`; kept out of the normal run by its name; prints medians and 99th percentiles.
+Kept out of the normal run by its name: `pytest test/benchmark_explainer_node.py`.
 """
 
 import subprocess
