@@ -5,6 +5,7 @@ All faults of a file are reported in one error, each with its line.
 
 import math
 import os
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -196,8 +197,9 @@ def _goals(
             try:
                 placed.append((('goals', index), '', _Goal.model_validate(entry)))
             except ValidationError:  # the whole file's validation reports it
-                if isinstance(entry, dict) and isinstance(entry.get('goal'), str):
-                    faults += _expression_faults(task, entry['goal'], ('goals', index, 'goal'))
+                text = entry.get('goal') if isinstance(entry, dict) else None
+                if isinstance(text, str) and text.strip():
+                    faults += _expression_faults(task, text, ('goals', index, 'goal'))
     elif isinstance(data.get('hyps_file'), str) and data['hyps_file'].strip():
         path = folder / data['hyps_file']
         try:
@@ -333,7 +335,8 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
     if detail['type'] == 'missing':
         return 'this key is missing'
     if detail['type'] == 'float_type' and isinstance(detail['input'], str):
-        hint = ' (YAML wants a point in 1.0e-3)' if 'e' in detail['input'].lower() else ''
+        exponential = re.fullmatch(r'[-+]?\d+e[-+]?\d+', detail['input'], re.IGNORECASE)
+        hint = ' (YAML wants a point in 1.0e-3)' if exponential else ''
         return f'"{detail["input"]}" is a text, not a number{hint}'
     if detail['type'] in ('model_type', 'dict_type'):
         return 'this should be a mapping: "key: value" lines, or {key: value}'
