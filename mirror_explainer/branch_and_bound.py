@@ -33,6 +33,7 @@ Booleans = NDArray[np.bool_]
 LARGEST_EXPONENT = 600.0  # exp of more would leave no room for sums
 ROUNDING = 1e-12  # relative; sums of differences are not trusted beyond this
 TANGENT_ROUNDS = 3
+MULTIPLIER_ROUNDS = 100
 CELLS_AT_ONCE = 2_500_000  # nodes × hypotheses × positions handled in one step
 
 
@@ -91,6 +92,11 @@ class Columns:
             least=np.where(np.isposinf(least), -np.inf, least),
         )
 
+    @property
+    def sentence_of(self) -> dict[int, int]:
+        """The sentence of every column of the evidence, in plan order."""
+        return dict(sorted((c, t) for t, of in enumerate(self.columns) for c in of))
+
     def log_products(self, counts: Ints) -> Floats:
         """log w_k ∏_{i∈o} r_k(s_i), shape (..., K), of sets given as counts (..., T)."""
         hit = counts @ np.isneginf(self.log_ratio).T > 0
@@ -124,7 +130,7 @@ class Nodes:
     log_weight: Floats  # (B, K) log w_k ∏_{i∈A} r_k(s_i)
     left: Ints  # (B, T) copies that may still be taken
     taken: Ints  # (B, T) copies in A
-    gain: Floats  # (B,) sum of the single gains of A
+    score: Floats  # (B,) sum of the scores of A
     lower: Floats  # (B,) lower bound on F of any completion, relative to the reference
 
     def __len__(self) -> int:
@@ -133,22 +139,75 @@ class Nodes:
     def __getitem__(self, which: 'Booleans | Ints | slice') -> 'Nodes':
         return Nodes(
             self.missing, self.log_weight[which], self.left[which], self.taken[which],
-            self.gain[which], self.lower[which],
+            self.score[which], self.lower[which],
         )
+
+
+@dataclass(frozen=True)
+class Scores:
+    """Single gains that also count what must be hit, for a sharper bound on their sum.
+
+    A set that hits each of some hypotheses has a sum of scores of at least
+    `offset` more than its sum of single gains (Lagrange).
+    """
+
+    copy: Floats  # (P,) the single gain of each copy + Σ of the multipliers of what it hits
+    offset: float  # Σ of all multipliers
+
+    @classmethod
+    def of(
+        cls, columns: Columns, n: int, log_reference: float, limit: float, target: float,
+    ) -> 'Scores':
+        """Find multipliers for which no n copies score much more than `target` + offset."""
+        gain = columns.single_gain[columns.sentence]
+        unhit = exp(columns.log_weight + columns.least[:, n] - log_reference)
+        hittable = columns.hits.any(axis=1)
+        slack = limit - unhit[~hittable].sum()
+        hits = columns.hits[hittable & (unhit > slack)]
+        multiplier = np.zeros(len(hits))
+        best, lowest = multiplier, np.inf
+        for _ in range(MULTIPLIER_ROUNDS):
+            score = gain + multiplier @ hits
+            top = np.argpartition(-score, n - 1)[:n]
+            highest = float(score[top].sum() - multiplier.sum())
+            if highest < lowest:
+                best, lowest = multiplier, highest
+            excess = hits[:, top].sum(axis=1) - 1.0
+            if highest <= target or not (excess < 0).any():
+                break
+            step = (highest - target) / (excess @ excess)
+            multiplier = np.maximum(multiplier - step * excess, 0.0)
+        return cls(gain + best @ hits, float(best.sum()))
+
+    def counts_between(
+        self, columns: Columns, n: int, least_gain: float,
+    ) -> tuple[Ints, Ints]:
+        """The fewest and the most copies (T,) in any set that reaches `least_gain`."""
+        order = np.argsort(-self.copy, kind='stable')
+        score = self.copy[order]
+        spare = score[:n].sum() - self.offset - least_gain + ROUNDING * n
+        needed = np.zeros(len(order), dtype=np.int64)
+        possible = np.zeros(len(order), dtype=np.int64)
+        needed[order[:n]] = score[:n] - score[n] > spare
+        possible[order[:n]] = 1
+        possible[order[n:]] = score[n - 1] - score[n:] <= spare
+        first = np.cumsum(columns.copies) - columns.copies
+        return np.add.reduceat(needed, first), np.add.reduceat(possible, first)
 
 
 class Search:
     """Looks for sets of n sentences with F ≤ `limit` and single gains ≥ `least_gain`.
 
     F is relative to exp(`log_reference`). Only sets with counts between
-    `at_least` and `at_most` are considered. Whoever consumes `completions` may
-    lower `limit` or raise `least_gain` between two of them, so as to be shown
-    better sets only.
+    `at_least` and `at_most` are considered. With `scores`, sets with larger
+    single gains come first, else those with smaller F. Whoever consumes
+    `completions` may lower `limit` or raise `least_gain` between two of them,
+    so as to be shown better sets only.
     """
 
     def __init__(
-        self, columns: Columns, n: int, log_reference: float, limit: float = 1.0,
-        least_gain: float = -np.inf, deadline: float = np.inf,
+        self, columns: Columns, n: int, log_reference: float, limit: float, deadline: float,
+        scores: Scores | None = None, least_gain: float = -np.inf,
         at_least: Ints | None = None, at_most: Ints | None = None,
     ) -> None:
         taken = np.zeros_like(columns.copies) if at_least is None else at_least
@@ -156,22 +215,26 @@ class Search:
         self.columns = columns
         self.log_reference = log_reference
         self.limit = limit
-        self.least_gain = least_gain
         self.deadline = deadline
-        self._by_gain = np.isfinite(least_gain)
+        self.scores = scores
+        self.least_gain = least_gain
         self._ratio = np.exp(columns.log_ratio)
         self._lacking = np.isneginf(columns.log_ratio)
         self._coefficients = np.vstack([columns.cost, columns.hits])
         self._first_copy = np.cumsum(columns.copies) - columns.copies
         self._at_once = max(1, CELLS_AT_ONCE // max(1, columns.hits.size))
+        score = 0.0
+        if scores is not None:
+            score = float(scores.copy @ (columns.copy < taken[columns.sentence]))
+        missing = n - int(taken.sum())
         self._open = [Nodes(
-            missing=n - int(taken.sum()),
+            missing=missing,
             log_weight=columns.log_products(taken)[None] - log_reference,
             left=(most - taken)[None],
             taken=taken[None],
-            gain=np.array([taken @ columns.single_gain]),
+            score=np.array([score]),
             lower=np.array([exp(columns.log_floor(n) - log_reference)]),
-        )]
+        )] if missing >= 0 else []
 
     @property
     def lower(self) -> float:
@@ -191,8 +254,8 @@ class Search:
             elif nodes.missing == 1:
                 yield from self._with_last(nodes)
             elif len(nodes):
-                if self._by_gain:
-                    yield from self._filled_by_gain(nodes)
+                if self.scores is not None:
+                    yield from self._filled_by_score(nodes, self.scores)
                 self._expand(nodes)
 
     def _within_limits(self, counts: Ints) -> Iterator[Completion]:
@@ -204,10 +267,12 @@ class Search:
             best = int(np.where(good, gain, -np.inf).argmax())
             yield Completion(counts[best], float(value[best]), float(gain[best]))
 
-    def _filled_by_gain(self, nodes: Nodes) -> Iterator[Completion]:
-        """Complete every node by the sentences with the largest single gains."""
-        allowed = self._allowed(nodes)
-        leading = allowed & (allowed.cumsum(axis=1) <= nodes.missing)
+    def _filled_by_score(self, nodes: Nodes, scores: Scores) -> Iterator[Completion]:
+        """Complete every node by the sentences with the largest scores."""
+        order = np.argsort(-scores.copy, kind='stable')
+        allowed = self._untaken(nodes)[:, order]
+        leading = np.empty_like(allowed)
+        leading[:, order] = allowed & (allowed.cumsum(axis=1) <= nodes.missing)
         added = np.add.reduceat(leading, self._first_copy, axis=1, dtype=np.int64)
         enough = added.sum(axis=1) == nodes.missing
         yield from self._within_limits((nodes.taken + added)[enough])
@@ -215,18 +280,20 @@ class Search:
     def _with_last(self, nodes: Nodes) -> Iterator[Completion]:
         """Complete every node by its one missing sentence: all of them at once."""
         value = exp(nodes.log_weight) @ self._ratio  # (B, T)
-        gain = nodes.gain[:, None] + self.columns.single_gain
+        gain = (nodes.taken @ self.columns.single_gain)[:, None] + self.columns.single_gain
         good = (nodes.left > 0) & (value <= self.limit) & (gain >= self.least_gain)
         if good.any():
-            merit = np.where(good, gain if self._by_gain else -value, -np.inf)
+            merit = np.where(good, -value if self.scores is None else gain, -np.inf)
             node, last = np.unravel_index(merit.argmax(), merit.shape)
             counts = nodes.taken[node].copy()
             counts[last] += 1
             yield Completion(counts, float(value[node, last]), float(gain[node, last]))
 
-    def _allowed(self, nodes: Nodes) -> Booleans:
+    def _untaken(self, nodes: Nodes) -> Booleans:
         """Which copies each node may still take, shape (B, P)."""
-        return self.columns.copy < nodes.left[:, self.columns.sentence]
+        taken = nodes.taken[:, self.columns.sentence]
+        left = nodes.left[:, self.columns.sentence]
+        return (self.columns.copy >= taken) & (self.columns.copy < taken + left)
 
     def _expand(self, nodes: Nodes) -> None:
         """Close the nodes that cannot lead within the limits, and branch on the others."""
@@ -236,24 +303,29 @@ class Search:
         hitters = (nodes.left > 0) @ self._lacking.T.astype(float)  # (B, K)
         floor = np.where(hitters == 0, unhit, 0.0).sum(axis=1)
         near = floor <= self.limit
+        if self.scores is not None:
+            score_rank, score_width = leading_copies(
+                self.scores.copy, self._untaken(nodes), missing,
+                self.least_gain + self.scores.offset - nodes.score)
+            near &= score_width > 0
+            score_rank, score_width = score_rank[near], score_width[near]
         nodes, unhit, hitters, floor = nodes[near], unhit[near], hitters[near], floor[near]
         if not len(nodes):
             return
-        allowed = self._allowed(nodes)
+        # after what is taken, the next copy of a sentence hits nothing more than the first would
+        allowed = self.columns.copy < nodes.left[:, self.columns.sentence]
         lower, total, marginal = self._bound(nodes, allowed, unhit)
         lower = np.maximum(lower, floor)
 
         rank, width = leading_copies(
             marginal, allowed, missing, total * (1 - ROUNDING) - self.limit)
-        if self._by_gain:
-            gain = np.broadcast_to(
-                self.columns.single_gain[self.columns.sentence], allowed.shape)
-            gain_rank, gain_width = leading_copies(
-                gain, allowed, missing, self.least_gain - nodes.gain)
-            narrower = gain_width < width
-            rank = np.where(narrower[:, None], gain_rank, rank)
-            width = np.minimum(width, gain_width)
         rank = rank[:, self._first_copy]
+        if self.scores is not None:
+            next_copy = np.minimum(self._first_copy + nodes.taken, allowed.shape[1] - 1)
+            narrower = score_width < width
+            rank = np.where(narrower[:, None],
+                            np.take_along_axis(score_rank, next_copy, axis=1), rank)
+            width = np.minimum(width, score_width)
         branch = (rank < width[:, None]) & (nodes.left > 0)  # (B, T) the witness sets
 
         slack = np.maximum(self.limit - floor, ROUNDING)[:, None]
@@ -272,7 +344,7 @@ class Search:
             self._open.append(Nodes(
                 missing, nodes.log_weight[spared],
                 np.where(hitting[spared], 0, nodes.left[spared]), nodes.taken[spared],
-                nodes.gain[spared],
+                nodes.score[spared],
                 np.maximum(lower, floor + unhit[every, hypothesis])[spared],
             ))
         branch &= alive[:, None]
@@ -286,9 +358,12 @@ class Search:
         taken = nodes.taken[node]
         left[child, chosen] -= 1
         taken[child, chosen] += 1
+        score = nodes.score[node]
+        if self.scores is not None:
+            score = score + self.scores.copy[(self._first_copy + nodes.taken)[node, chosen]]
         self._open.append(Nodes(
             missing - 1, nodes.log_weight[node] + self.columns.log_ratio.T[chosen], left, taken,
-            nodes.gain[node] + self.columns.single_gain[chosen], lower[node],
+            score, lower[node],
         ))
 
     def _bound(
@@ -335,10 +410,11 @@ def leading_copies(
 ) -> tuple[Ints, Ints]:
     """Rank the copies by score, and count the leading ones of which a set must have one.
 
-    `score` and `allowed` have shape (B, P). Sets of `missing` copies without
+    `score` has shape (B, P) or (P,), `allowed` (B, P). Sets of `missing` copies without
     any of the leading ones cannot bring the `required` (B,) sum of scores.
     Returns the ranks (B, P) and the numbers of leading copies (B,).
     """
+    score = np.broadcast_to(score, allowed.shape)
     order = np.argsort(np.where(allowed, -score, np.inf), axis=1, kind='stable')
     rank = np.empty_like(order)
     np.put_along_axis(rank, order, np.arange(order.shape[1])[None], axis=1)

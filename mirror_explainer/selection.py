@@ -19,8 +19,8 @@ import numpy as np
 from mirror_explainer.branch_and_bound import (
     ROUNDING,
     Columns,
-    Floats,
     Ints,
+    Scores,
     Search,
     log_sum,
 )
@@ -222,7 +222,7 @@ def _select_all(
 def _optimum(columns: Columns, n: int, start: Ints, deadline: float) -> tuple[Ints, float]:
     """The counts with the smallest F, no worse than `start`, and the proven gap in nats."""
     best, value = start, 1.0
-    search = Search(columns, n, columns.log_value(start), 1 - ROUNDING, deadline=deadline)
+    search = Search(columns, n, columns.log_value(start), 1 - ROUNDING, deadline)
     for found in search.completions():
         best, value = found.counts, found.value
         search.limit = value * (1 - ROUNDING)
@@ -235,35 +235,26 @@ def _settled(columns: Columns, n: int, best: Ints, deadline: float) -> Ints:
     log_value = columns.log_value(best)
     limit = math.exp(TIE)
     most = float(best @ columns.single_gain)
-    search = Search(columns, n, log_value, limit, most + ROUNDING * n, deadline)
+    scores = Scores.of(columns, n, log_value, limit, most)
+    search = Search(columns, n, log_value, limit, deadline, scores, most + ROUNDING * n)
     for found in search.completions():
         best, most = found.counts, found.gain
         search.least_gain = most + ROUNDING * n
 
-    at_least, at_most = np.zeros_like(best), columns.copies.copy()
-    sentence_of = {c: t for t, of_sentence in enumerate(columns.columns) for c in of_sentence}
-    for column in sorted(sentence_of):
-        sentence = sentence_of[column]
-        if at_least[sentence] == at_most[sentence]:
+    scores = Scores.of(columns, n, log_value, limit, most - TIE)
+    at_least, at_most = scores.counts_between(columns, n, most - TIE)
+    fixed = np.zeros_like(best)
+    for sentence in columns.sentence_of.values():
+        if fixed[sentence] == at_most[sentence]:
             continue
-        with_it = at_least.copy()
-        with_it[sentence] += 1
-        if best[sentence] < with_it[sentence]:
-            found = _any(columns, n, log_value, limit, most - TIE, deadline, with_it, at_most)
-            if found is None:
-                at_most[sentence] = at_least[sentence]
-                continue
-            best = found
-        at_least = with_it
+        fixed[sentence] += 1
+        if best[sentence] < fixed[sentence]:
+            search = Search(columns, n, log_value, limit, deadline, scores, most - TIE,
+                            np.maximum(fixed, at_least), at_most)
+            better = next(search.completions(), None)
+            if better is None:
+                fixed[sentence] -= 1
+                at_most[sentence] = fixed[sentence]
+            else:
+                best = better.counts
     return best
-
-
-def _any(
-    columns: Columns, n: int, log_value: float, limit: float, least_gain: float,
-    deadline: float, at_least: Ints, at_most: Ints,
-) -> Ints | None:
-    """Some counts within the limits, if there are any."""
-    if at_least.sum() > n:
-        return None
-    search = Search(columns, n, log_value, limit, least_gain, deadline, at_least, at_most)
-    return next((found.counts for found in search.completions()), None)
