@@ -2,12 +2,20 @@
 
 import os
 import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
+from mirror_explainer.errors import Cancelled, InputError, PlanningError
+from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
+from mirror_explainer.planning.downward import find_downward
 from pddl_cases import (
     TOOLS_DOMAIN,
     TOOLS_PROBLEM,
@@ -16,17 +24,15 @@ from pddl_cases import (
     gripper,
 )
 
-from mirror_explainer.errors import Cancelled, InputError, PlanningError
-from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
-
 TOOLS = BeliefSpace(TOOLS_DOMAIN, TOOLS_PROBLEM, ('(polished)', '(lost)'), ('(saw-sharp)',))
 SHARP = frozenset(['(saw-sharp)'])
 HARD = BeliefSpace(*gripper(30)[:2], goals=(gripper(30)[2], '(robot-at there)'))
 
 
-@pytest.fixture(params=['fast-downward-opt'])
-def engine(request: pytest.FixtureRequest) -> str:
-    return request.param
+@pytest.fixture(params=[True, False], ids=['grounded once', 'one by one'])
+def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
+    with Planner('fast-downward-opt', shortcuts=request.param) as planner:
+        yield planner
 
 
 def processes_of(session: int) -> list[int]:
@@ -42,24 +48,46 @@ def processes_of(session: int) -> list[int]:
     return found
 
 
-def child_sessions() -> set[int]:
-    """Return the sessions that children of this process lead."""
+def child_sessions(of: int = os.getpid()) -> set[int]:
+    """Return the sessions that children of a process lead."""
     sessions = set()
     for stat in Path('/proc').glob('[0-9]*/stat'):
         try:
             _, parent, _, session = stat.read_text().rpartition(') ')[2].split()[:4]
         except (FileNotFoundError, ProcessLookupError):
             continue
-        if int(parent) == os.getpid() and session == stat.parent.name:
+        if int(parent) == of and session == stat.parent.name:
             sessions.add(int(session))
     return sessions
+
+
+def searches_of(sessions: set[int]) -> list[int]:
+    """Return what runs in the sessions besides their leaders."""
+    return [pid for session in sessions for pid in processes_of(session) if pid != session]
+
+
+class Asking(threading.Thread):
+    """Asks for the hard belief, and keeps the error that ends it."""
+
+    def __init__(self, planner: Planner, space: BeliefSpace, cancelled: threading.Event) -> None:
+        super().__init__()
+        self._question = planner, space, cancelled
+        self.error: Exception | None = None
+        self.start()
+
+    def run(self) -> None:
+        planner, space, cancelled = self._question
+        try:
+            planner.plan(space, [Belief(0)], cancelled=cancelled)
+        except Exception as error:
+            self.error = error
 
 
 def private_directories() -> list[Path]:
     return list(Path(tempfile.gettempdir()).glob('mirror_explainer_*'))
 
 
-def wait_until(condition, seconds: float = 10.0) -> bool:
+def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> bool:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         if condition():
@@ -68,24 +96,22 @@ def wait_until(condition, seconds: float = 10.0) -> bool:
     return False
 
 
-def test_costs_are_in_the_metric_and_actions_in_canonical_text(engine: str) -> None:
-    with Planner(engine) as planner:
-        report = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
+def test_costs_are_in_the_metric_and_actions_in_canonical_text(planner: Planner) -> None:
+    report = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
 
     slow, fast = report.results
     assert slow.plans == (Plan(('(cut-slowly)', '(polish)'), 7 + 1),)
     assert fast.plans == (Plan(('(cut-fast)', '(polish)'), 2 + 1),)
 
 
-def test_without_a_metric_the_cost_is_the_number_of_actions(engine: str) -> None:
+def test_without_a_metric_the_cost_is_the_number_of_actions(planner: Planner) -> None:
     space = BeliefSpace(
         WAREHOUSE_DOMAIN,
         WAREHOUSE_PROBLEM,
         ('(AND (Holding RED_CIRCLE) (outside bottom_door))',),
         ('(charged)',),
     )
-    with Planner(engine) as planner:
-        report = planner.plan(space, [Belief(0, frozenset(['(charged)'])), Belief(0)])
+    report = planner.plan(space, [Belief(0, frozenset(['(charged)'])), Belief(0)])
 
     charged, flat = (result.plans[0] for result in report.results)
     # center, doors, red room, grab, doors, right, exit; a recharge at the center on the way
@@ -95,10 +121,9 @@ def test_without_a_metric_the_cost_is_the_number_of_actions(engine: str) -> None
     assert '(recharge center)' in flat.actions
 
 
-def test_no_plan_is_told_apart_from_a_goal_that_holds_already(engine: str) -> None:
+def test_no_plan_is_told_apart_from_a_goal_that_holds_already(planner: Planner) -> None:
     space = BeliefSpace(TOOLS_DOMAIN, TOOLS_PROBLEM, ('(lost)', '(raw)', '(and (raw) (cut))'))
-    with Planner(engine) as planner:
-        report = planner.plan(space, [Belief(0), Belief(1), Belief(2)])
+    report = planner.plan(space, [Belief(0), Belief(1), Belief(2)])
 
     lost, raw, both = report.results
     assert lost.status is Status.UNSOLVABLE and lost.plans == ()
@@ -132,35 +157,32 @@ def test_pyperplan_plans_without_fast_downward() -> None:
     assert found.plans[0].optimal
 
 
-def test_asking_again_costs_no_planner_call(engine: str) -> None:
-    with Planner(engine) as planner:
-        first = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
-        again = planner.plan(TOOLS, [Belief(0, SHARP), Belief(0)])
+def test_asking_again_costs_no_planner_call(planner: Planner) -> None:
+    first = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
+    again = planner.plan(TOOLS, [Belief(0, SHARP), Belief(0)])
 
     assert first.planner_calls > 0
     assert again.planner_calls == 0
     assert again.results == first.results[::-1]
 
 
-def test_a_changed_problem_is_planned_anew(engine: str) -> None:
+def test_a_changed_problem_is_planned_anew(planner: Planner) -> None:
     changed = BeliefSpace(
         TOOLS_DOMAIN, TOOLS_PROBLEM.replace('(raw)', '(cut)'), TOOLS.goals, TOOLS.uncertain_facts
     )
-    with Planner(engine) as planner:
-        planner.plan(TOOLS, [Belief(0)])
-        report = planner.plan(changed, [Belief(0)])
+    planner.plan(TOOLS, [Belief(0)])
+    report = planner.plan(changed, [Belief(0)])
 
     assert report.results[0].plans == (Plan(('(polish)',), 1),)
 
 
-def test_progress_is_told_for_each_belief(engine: str) -> None:
+def test_progress_is_told_for_each_belief(planner: Planner) -> None:
     told: list[tuple[int, int]] = []
-    with Planner(engine) as planner:
-        planner.plan(
-            TOOLS,
-            [Belief(0), Belief(0, SHARP), Belief(1)],
-            progress=lambda done, total: told.append((done, total)),
-        )
+    planner.plan(
+        TOOLS,
+        [Belief(0), Belief(0, SHARP), Belief(1)],
+        progress=lambda done, total: told.append((done, total)),
+    )
 
     assert told[-1] == (3, 3)
     assert [done for done, _ in told] == sorted(done for done, _ in told)
@@ -184,68 +206,49 @@ def test_after_the_deadline_the_rest_stays_unknown() -> None:
     assert 'deadline' in report.results[0].reason
 
 
-@pytest.mark.parametrize('engine', ['fast-downward-opt', 'pyperplan-opt'])
-def test_cancelling_ends_the_search_and_leaves_nothing_running(engine: str) -> None:
-    cancelled = threading.Event()
-    before = child_sessions()
-    outcome: list[BaseException] = []
-
-    def ask() -> None:
-        try:
-            planner.plan(HARD, [Belief(0)], cancelled=cancelled)
-        except Cancelled as error:
-            outcome.append(error)
-
-    with Planner(engine) as planner:
-        thread = threading.Thread(target=ask)
-        thread.start()
-        assert wait_until(lambda: child_sessions() - before)
+@pytest.mark.parametrize(
+    ('engine', 'shortcuts'),
+    [('fast-downward-opt', True), ('fast-downward-opt', False), ('pyperplan-opt', False)],
+)
+def test_cancelling_ends_the_search_and_leaves_none_running(engine: str, shortcuts: bool) -> None:
+    before, cancelled = child_sessions(), threading.Event()
+    with Planner(engine, shortcuts=shortcuts, planning_timeout=60.0) as planner:
+        asking = Asking(planner, HARD, cancelled)
+        assert wait_until(lambda: any(searches_of(child_sessions() - before)) or 'py' in engine)
+        time.sleep(2.0 if 'py' in engine else 0.2)  # pyperplan searches within the worker
         sessions = child_sessions() - before
-        time.sleep(3.0)  # well into the search
-        searching = {pid for session in sessions for pid in processes_of(session)}
         cancelled.set()
-        thread.join(timeout=5.0)
-        assert not thread.is_alive()
-        assert isinstance(outcome[0], Cancelled)
-        # the planner is still good for the next question
-        assert planner.plan(TOOLS, [Belief(0)] if 'pyp' not in engine else []).results is not None
+        asking.join(timeout=5.0)
 
-    assert searching
-    assert not any(processes_of(session) for session in sessions)
+        assert isinstance(asking.error, Cancelled)
+        assert not searches_of(sessions)
+        assert 'py' not in engine or not sessions & child_sessions()
+        # The planner is still good for the next question.
+        assert planner.plan(HARD, [Belief(1)]).results[0].status is Status.SOLVED
     assert child_sessions() == before
 
 
 def test_closing_from_another_thread_cancels_and_leaves_no_process_or_file() -> None:
     before, directories = child_sessions(), private_directories()
-    planner = Planner('fast-downward-opt')
-    outcome: list[BaseException] = []
-
-    def ask() -> None:
-        try:
-            planner.plan(HARD, [Belief(0)])
-        except Cancelled as error:
-            outcome.append(error)
-
-    thread = threading.Thread(target=ask)
-    thread.start()
-    assert wait_until(lambda: child_sessions() - before)
+    planner = Planner('fast-downward-opt', planning_timeout=60.0)
+    asking = Asking(planner, HARD, threading.Event())
+    assert wait_until(lambda: searches_of(child_sessions() - before))
     sessions = child_sessions() - before
     planner.close()
-    thread.join(timeout=5.0)
+    asking.join(timeout=5.0)
 
-    assert outcome
+    assert isinstance(asking.error, Cancelled)
     assert child_sessions() == before
     assert not any(processes_of(session) for session in sessions)
     assert set(private_directories()) <= set(directories)
 
 
-def test_a_killed_worker_is_replaced(engine: str) -> None:
+def test_a_killed_worker_is_replaced(planner: Planner) -> None:
     before = child_sessions()
-    with Planner(engine) as planner:
-        planner.plan(TOOLS, [Belief(0)])
-        for session in child_sessions() - before:
-            os.kill(session, signal.SIGKILL)
-        report = planner.plan(TOOLS, [Belief(0, SHARP)])
+    planner.plan(TOOLS, [Belief(0)])
+    for session in child_sessions() - before:
+        os.kill(session, signal.SIGKILL)
+    report = planner.plan(TOOLS, [Belief(0, SHARP)])
 
     assert report.results[0].plans[0].cost == 2 + 1
 
@@ -263,15 +266,136 @@ def test_what_an_engine_does_not_support_is_named() -> None:
         planner.plan(TOOLS, [Belief(0)])
 
 
-def test_an_unreadable_problem_is_an_input_error(engine: str) -> None:
+def test_an_unreadable_problem_is_an_input_error(planner: Planner) -> None:
     space = BeliefSpace(TOOLS_DOMAIN, '(define (problem', ('(polished)',))
-    with Planner(engine) as planner, pytest.raises(InputError):
+    with pytest.raises(InputError):
         planner.plan(space, [Belief(0)])
 
 
-def test_a_belief_outside_the_space_is_refused(engine: str) -> None:
-    with Planner(engine) as planner:
-        with pytest.raises(ValueError, match='no goal 5'):
-            planner.plan(TOOLS, [Belief(5)])
-        with pytest.raises(ValueError, match='not uncertain'):
-            planner.plan(TOOLS, [Belief(0, frozenset(['(raw)']))])
+def test_a_belief_outside_the_space_is_refused(planner: Planner) -> None:
+    with pytest.raises(ValueError, match='no goal 5'):
+        planner.plan(TOOLS, [Belief(5)])
+    with pytest.raises(ValueError, match='not uncertain'):
+        planner.plan(TOOLS, [Belief(0, frozenset(['(raw)']))])
+
+
+def test_an_out_of_time_optimal_search_gives_way_to_a_plan_that_stands_in() -> None:
+    with Planner('fast-downward-opt', planning_timeout=0.5) as planner:
+        report = planner.plan(HARD, [Belief(0), Belief(1)])
+
+    hard, easy = report.results
+    assert hard.status is Status.SOLVED
+    assert not hard.plans[0].optimal
+    assert hard.plans[0].cost >= 30 * 2  # each ball is picked up and dropped
+    assert 'within 0.5 s' in hard.reason
+    assert easy.plans[0].optimal and easy.reason == ''
+
+
+def test_near_the_deadline_plans_stand_in_and_are_not_kept() -> None:
+    with Planner('fast-downward-opt') as planner:
+        report = planner.plan(HARD, [Belief(0)], deadline=1.0)
+        again = planner.plan(HARD, [Belief(0)], deadline=1.0)
+
+    assert report.results[0].status is Status.SOLVED
+    assert 'deadline' in report.results[0].reason
+    assert again.planner_calls > 0
+
+
+def test_a_step_of_the_robot_keeps_the_grounding() -> None:
+    space = BeliefSpace(
+        WAREHOUSE_DOMAIN,
+        WAREHOUSE_PROBLEM,
+        ('(holding red_circle)', '(outside bottom_door)'),
+        ('(charged)',),
+    )
+    at_center = WAREHOUSE_PROBLEM.replace('(robot-at left)', '(robot-at center)')
+    moved_station = WAREHOUSE_PROBLEM.replace('(station-at center)', '(station-at left)')
+    stepped, moved = replace(space, problem=at_center), replace(space, problem=moved_station)
+    beliefs = [Belief(0), Belief(1), Belief(1, frozenset(['(charged)']))]
+    with Planner('fast-downward-opt') as planner:
+        ways = [planner.plan(each, beliefs) for each in (space, stepped, moved, space)]
+
+    assert [report.way for report in ways] == [
+        'grounded once', 'grounding kept', 'grounded once', 'grounded once'
+    ]
+    # center, doors, red room, grab; recharge, right, exit on the way
+    assert [result.plans[0].cost for result in ways[0].results] == [4, 4, 3]
+    assert [result.plans[0].cost for result in ways[1].results] == [3, 3, 2]
+    # the station is at the left corridor, where the robot is
+    assert [result.plans[0].cost for result in ways[2].results] == [4, 4, 3]
+
+
+def test_decimal_costs_are_exact() -> None:
+    domain = TOOLS_DOMAIN.replace('(total-cost) 2)', '(total-cost) 0.1)')
+    domain = domain.replace('(total-cost) 1)', '(total-cost) 0.25)')
+    space = BeliefSpace(domain, TOOLS_PROBLEM, TOOLS.goals, TOOLS.uncertain_facts)
+    with Planner('fast-downward-opt') as planner:
+        report = planner.plan(space, [Belief(0, SHARP)])
+
+    assert report.results[0].plans == (Plan(('(cut-fast)', '(polish)'), 0.35),)
+
+
+def test_conditional_effects_are_planned_for_one_belief_at_a_time() -> None:
+    domain = TOOLS_DOMAIN.replace('(and (polished)', '(and (when (saw-sharp) (lost)) (polished)')
+    space = BeliefSpace(domain, TOOLS_PROBLEM, TOOLS.goals, TOOLS.uncertain_facts)
+    with Planner('fast-downward-opt') as planner:
+        report = planner.plan(space, [Belief(1), Belief(1, SHARP)])
+
+    assert 'conditional effects' in report.way
+    assert report.results[0].status is Status.UNSOLVABLE
+    assert report.results[1].plans == (Plan(('(cut-fast)', '(polish)'), 3),)
+
+
+def test_a_search_that_needs_too_much_memory_gives_way_to_a_plan_that_stands_in() -> None:
+    with Planner('fast-downward-opt', memory_limit=60) as planner:
+        report = planner.plan(HARD, [Belief(0)])
+
+    assert not report.results[0].plans[0].optimal
+    assert 'memory' in report.results[0].reason
+
+
+def test_a_named_downward_program_is_used(tmp_path: Path) -> None:
+    asked = tmp_path / 'asked'
+    wrapper = tmp_path / 'downward'
+    wrapper.write_text(f'#!/bin/sh\n: > {asked}\nexec {find_downward("")} "$@"\n')
+    wrapper.chmod(0o755)
+    with Planner('fast-downward-opt', downward_binary=str(wrapper)) as planner:
+        report = planner.plan(TOOLS, [Belief(0)])
+
+    assert report.results[0].plans[0].cost == 8
+    assert asked.exists()
+
+
+def test_a_missing_downward_program_is_told() -> None:
+    with pytest.raises(PlanningError, match='/no/such/downward'):
+        Planner('fast-downward-opt', downward_binary='/no/such/downward')
+
+
+def test_a_program_that_always_fails_is_told(tmp_path: Path) -> None:
+    wrapper = tmp_path / 'downward'
+    wrapper.write_text('#!/bin/sh\nexit 99\n')
+    wrapper.chmod(0o755)
+    with (
+        Planner('fast-downward-opt', downward_binary=str(wrapper)) as planner,
+        pytest.raises(PlanningError, match='code 99'),
+    ):
+        planner.plan(TOOLS, [Belief(0)])
+
+
+def test_the_workers_end_when_the_program_that_started_them_is_killed() -> None:
+    code = (
+        'import time; from mirror_explainer.planning import Planner; '
+        "planner = Planner('fast-downward-opt'); print('up', flush=True); time.sleep(60)"
+    )
+    root = str(Path(__file__).parent.parent)
+    with subprocess.Popen(
+        [sys.executable, '-c', code],
+        stdout=subprocess.PIPE,
+        env=os.environ | {'PYTHONPATH': root},
+    ) as program:
+        assert program.stdout is not None and program.stdout.readline() == b'up\n'
+        sessions = child_sessions(program.pid)
+        program.kill()
+
+    assert sessions
+    assert wait_until(lambda: not any(processes_of(session) for session in sessions))

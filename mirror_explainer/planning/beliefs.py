@@ -66,8 +66,13 @@ class BeliefPlans:
 
 @dataclass(frozen=True)
 class PlanningReport:
-    """The results, in the order of the beliefs asked, and what they cost."""
+    """The results, in the order of the beliefs asked, and what they cost.
+
+    `planner_calls` engine calls were made; `searching` is how many seconds there
+    was one at work. `way` says in a few words how it was gone about.
+    """
 
     results: tuple[BeliefPlans, ...]
     planner_calls: int
     way: str
+    searching: float = 0.0

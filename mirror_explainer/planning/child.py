@@ -21,6 +21,7 @@ class Parent:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         self._connection = Connection(int(sys.argv[1]))
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._bell, self._rope = os.pipe()
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _listen(self) -> None:
@@ -30,10 +31,16 @@ class Parent:
             except (EOFError, OSError):
                 end_group()
             self._inbox.put(message)
+            os.write(self._rope, b'.')
 
-    def receive(self, timeout: float | None = None) -> Any:
-        """Return the next message; raises queue.Empty after `timeout` seconds without one."""
-        return self._inbox.get(timeout=timeout)
+    def fileno(self) -> int:
+        """Return a descriptor that is readable while there are messages."""
+        return self._bell
+
+    def receive(self) -> Any:
+        """Return the next message, when there is one."""
+        os.read(self._bell, 1)
+        return self._inbox.get()
 
     def send(self, message: Any) -> None:
         """Send any picklable value."""

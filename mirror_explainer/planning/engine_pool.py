@@ -13,7 +13,7 @@ from multiprocessing.connection import wait
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
 from mirror_explainer.planning.limits import TICK, Limits
-from mirror_explainer.planning.messages import Attempt, Refusal, Setup, unknown
+from mirror_explainer.planning.messages import Attempt, Done, Refusal, Setup, unknown
 from mirror_explainer.planning.worker import Worker
 
 _MODULE = 'mirror_explainer.planning.engine_worker'
@@ -43,7 +43,6 @@ class EnginePool:
     def __init__(
         self, engine: str, workers: int, planning_timeout: float, memory_limit: int
     ) -> None:
-        self.way = f'one call of {engine} a belief'
         self._engine = engine
         self._workers = workers
         self._timeout = planning_timeout
@@ -56,10 +55,10 @@ class EnginePool:
         beliefs: Sequence[Belief],
         limits: Limits,
         record: Callable[[Belief, Attempt], None],
-    ) -> int:
+    ) -> Done:
         """Plan for each belief and record the results as they come, until the limits.
 
-        Returns the number of engine calls. Raises Cancelled, InputError for
+        Returns what it took. Raises Cancelled, InputError for
         texts that cannot be read, and PlanningError for an engine that is not
         there or does not support the problem.
         """
@@ -76,7 +75,7 @@ class EnginePool:
         finally:
             for seat in self._busy():
                 self._dismiss(seat)
-        return work.calls
+        return Done(work.calls, work.searching, f'one call of {self._engine} a belief')
 
     def _hand_out(self, work: '_Work') -> None:
         in_hand = sum(seat.belief is not None for seat in self._seats)
@@ -97,7 +96,10 @@ class EnginePool:
 
     def _take_in(self, work: '_Work') -> None:
         busy = self._busy()
+        began = time.monotonic()
         ready = wait([seat.worker.connection for seat in busy], TICK)
+        if any(seat.belief for seat in busy):
+            work.searching += time.monotonic() - began
         for seat in busy:
             if seat.worker.connection in ready:
                 self._take_answer(seat, work)
@@ -150,6 +152,7 @@ class _Work:
     pending: deque[Belief]
     record: Callable[[Belief, Attempt], None]
     calls: int = 0
+    searching: float = 0.0
 
     def __post_init__(self) -> None:
         self.failures: dict[Belief | None, int] = {}

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.planning.beliefs import BeliefPlans, BeliefSpace, Status
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Status
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,59 @@ class Refusal:
 
 @dataclass(frozen=True)
 class Attempt:
-    """From a worker: the result for one belief, and whether the engine failed at it."""
+    """From a worker: the result for one belief, and whether the engine failed at it.
+
+    `lasting` is False for what more time until the deadline might have bettered.
+    """
 
     result: BeliefPlans
     crashed: bool = False
+    lasting: bool = True
 
 
 def unknown(reason: str, crashed: bool = False) -> Attempt:
     """Return the attempt that leaves a belief unknown."""
     return Attempt(BeliefPlans(Status.UNKNOWN, reason=reason), crashed)
+
+
+@dataclass(frozen=True)
+class Ask:
+    """To the worker of the fast way: plan for these beliefs.
+
+    It answers with an empty list once the beliefs are grounded, then with lists of
+    (belief, attempt) pairs, and at last with Done; or with Unfitting. `workers`
+    searches run at a time, each for `planning_timeout` seconds at most, all for
+    `seconds`.
+    """
+
+    space: BeliefSpace
+    beliefs: tuple[Belief, ...]
+    downward: str
+    workers: int
+    planning_timeout: float
+    memory_limit: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Stop:
+    """To the worker of the fast way: end the searches, and answer Done."""
+
+
+@dataclass(frozen=True)
+class Done:
+    """From the worker of the fast way: the call is over.
+
+    `searching` counts the seconds in which a search ran.
+    """
+
+    calls: int
+    searching: float
+    way: str
+
+
+@dataclass(frozen=True)
+class Unfitting:
+    """From the worker of the fast way: it cannot take these texts, for this reason."""
+
+    reason: str

@@ -4,6 +4,7 @@ The way in to this package: it keeps the last space's results, and decides how
 the rest is found.
 """
 
+import logging
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -17,9 +18,17 @@ from mirror_explainer.planning.beliefs import (
     PlanningReport,
     Status,
 )
+from mirror_explainer.planning.downward import find_downward
+from mirror_explainer.planning.downward_way import DownwardWay
 from mirror_explainer.planning.engine_pool import EnginePool
 from mirror_explainer.planning.limits import Limits
-from mirror_explainer.planning.messages import Attempt
+from mirror_explainer.planning.messages import Attempt, Done
+
+# The engine that is asked the fast way wherever that is right.
+FAST = 'fast-downward-opt'
+
+_NOTHING = Done(0, 0.0, 'all known')
+_log = logging.getLogger(__name__)
 
 _LATE = BeliefPlans(Status.UNKNOWN, reason='the deadline passed')
 
@@ -29,8 +38,10 @@ class Planner:
 
     `workers` processes plan at a time. A belief without a plan after
     `planning_timeout` seconds stays unknown; a planning process may use
-    `memory_limit` MiB. The processes start when first needed, and run until
-    `close`, or the end of the `with` block:
+    `memory_limit` MiB. `downward_binary` is the path of a Fast Downward search
+    program to use instead of the one that comes with up-fast-downward. Without
+    `shortcuts` every belief gets an engine call of its own. The processes run
+    until `close`, or the end of the `with` block:
 
         with Planner('fast-downward-opt') as planner:
             report = planner.plan(space, [Belief(0), Belief(1)], deadline=5.0)
@@ -45,9 +56,14 @@ class Planner:
         planning_timeout: float = 10.0,
         memory_limit: int = 1024,
         downward_binary: str = '',
+        shortcuts: bool = True,
     ) -> None:
         self._engine = engine
         self._pool = EnginePool(engine, workers, planning_timeout, memory_limit)
+        self._fast: DownwardWay | None = None
+        downward = find_downward(downward_binary) if shortcuts and engine == FAST else None
+        if downward:
+            self._fast = DownwardWay(downward, workers, planning_timeout, memory_limit)
         self._busy = threading.Lock()
         self._closed = threading.Event()
         self._known_space: tuple[BeliefSpace, int] | None = None
@@ -84,20 +100,34 @@ class Planner:
                 self._known_space, self._known = (space, plans_per_belief), {}
             missing = [belief for belief in dict.fromkeys(beliefs) if belief not in self._known]
             results = _Results(self._known, len(set(beliefs)), progress)
-            calls = self._pool.plan(space, missing, limits, results.record) if missing else 0
+            done = self._plan(space, missing, limits, results) if missing else _NOTHING
             if missing and results.crashes == len(missing):
                 raise PlanningError(
                     f'The planning engine "{self._engine}" failed on every belief; on the last '
                     f'one: {results.last_reason}. Try another engine.'
                 )
             found = tuple(results.get(belief) for belief in beliefs)
-        return PlanningReport(found, calls, self._pool.way)
+        _log.debug('%d beliefs: %s, %d calls', len(beliefs), done.way, done.calls)
+        return PlanningReport(found, done.calls, done.way, done.searching)
+
+    def _plan(
+        self, space: BeliefSpace, beliefs: Sequence[Belief], limits: Limits, results: '_Results'
+    ) -> Done:
+        if self._fast:
+            answer = self._fast.plan(space, beliefs, limits, results.record)
+            if isinstance(answer, Done):
+                return answer
+            _log.debug('not the fast way: %s', answer.reason)
+        missing = [belief for belief in beliefs if not results.has(belief)]
+        return self._pool.plan(space, missing, limits, results.record)
 
     def close(self) -> None:
         """End every planning process at once; a call of `plan` in another thread is cancelled."""
         self._closed.set()
         with self._busy:
             self._pool.close()
+            if self._fast:
+                self._fast.close()
 
     def __enter__(self) -> 'Planner':
         return self
@@ -128,13 +158,18 @@ class _Results:
         self.last_reason = ''
 
     def record(self, belief: Belief, attempt: Attempt) -> None:
-        """Take in one result. What stayed unknown may be asked again, so it is not kept."""
-        kept = self._unknown if attempt.result.status is Status.UNKNOWN else self._known
+        """Take in one result. What more time may better is not kept."""
+        lasting = attempt.lasting and attempt.result.status is not Status.UNKNOWN
+        kept = self._known if lasting else self._unknown
         kept[belief] = attempt.result
         self.crashes += attempt.crashed
         self.last_reason = attempt.result.reason
         if self._progress:
             self._progress(len(self._known) + len(self._unknown), self._total)
+
+    def has(self, belief: Belief) -> bool:
+        """Say whether there is a result."""
+        return belief in self._known or belief in self._unknown
 
     def get(self, belief: Belief) -> BeliefPlans:
         """Return the belief's result."""

@@ -1,0 +1,139 @@
+"""The fast way: Fast Downward in a worker that grounds once (`downward_worker.py`).
+
+For the engine fast-downward-opt only. It finds the same optimal costs as the
+general way, with less work.
+"""
+
+import logging
+import os
+import time
+from collections.abc import Callable, Sequence
+
+from mirror_explainer.errors import Cancelled, PlanningError
+from mirror_explainer.planning.beliefs import Belief, BeliefSpace
+from mirror_explainer.planning.limits import TICK, Limits
+from mirror_explainer.planning.messages import Ask, Attempt, Done, Stop, Unfitting, unknown
+from mirror_explainer.planning.worker import Worker
+
+_MODULE = 'mirror_explainer.planning.downward_worker'
+_TRIES = 2
+
+# The problem may take this long to be grounded, or the planning timeout if that is longer.
+_GROUNDING_SECONDS = 10.0
+
+# How long a worker may take to come to a stop before it is ended, in seconds.
+_GRACE = 0.05
+
+# What the worker and Fast Downward need of the environment.
+_VARIABLES = ('PATH', 'LANG', 'LC_ALL', 'LD_LIBRARY_PATH', '_ROS_WHEELS_BOOTSTRAP_COMPLETE')
+
+_log = logging.getLogger(__name__)
+
+
+class DownwardWay:
+    """A worker process that grounds, and runs `workers` searches at a time.
+
+    It starts at once, so that it is there when it is needed.
+    """
+
+    def __init__(
+        self, downward: str, workers: int, planning_timeout: float, memory_limit: int
+    ) -> None:
+        self._downward = downward
+        self._workers = workers
+        self._timeout = planning_timeout
+        self._memory_limit = memory_limit
+        self._worker: Worker | None = self._start()
+
+    @staticmethod
+    def _start() -> Worker:
+        variables = {name: os.environ[name] for name in _VARIABLES if name in os.environ}
+        return Worker(_MODULE, variables)
+
+    def plan(
+        self,
+        space: BeliefSpace,
+        beliefs: Sequence[Belief],
+        limits: Limits,
+        record: Callable[[Belief, Attempt], None],
+    ) -> Done | Unfitting:
+        """Plan for each belief and record the results as they come, until the limits.
+
+        Returns what it took, or why this way cannot be gone. Raises Cancelled,
+        and PlanningError when the worker dies more than once.
+        """
+        left = set(beliefs)
+        for _ in range(_TRIES):
+            if self._worker is None or not self._worker.alive:
+                self.close()
+                self._worker = self._start()
+            try:
+                return self._ask(self._worker, space, left, limits, record)
+            except EOFError:
+                words = self._worker.last_words()
+                _log.debug('the planning worker died: %s', words)
+                self.close()
+        raise PlanningError(f'The planning process died: {words or "it was killed"}.')
+
+    def _ask(
+        self,
+        worker: Worker,
+        space: BeliefSpace,
+        left: set[Belief],
+        limits: Limits,
+        record: Callable[[Belief, Attempt], None],
+    ) -> Done | Unfitting:
+        worker.send(
+            Ask(
+                space,
+                tuple(left),
+                self._downward,
+                self._workers,
+                self._timeout,
+                self._memory_limit,
+                limits.end - time.monotonic(),
+            )
+        )
+        grounded = False
+        grounding_end = time.monotonic() + max(self._timeout, _GROUNDING_SECONDS)
+        while True:
+            try:
+                limits.check()
+            except Cancelled:
+                self._stop(worker)
+                raise
+            if limits.expired and not worker.connection.poll(_GRACE):
+                self._stop(worker)
+                return Done(0, 0.0, 'the deadline passed')
+            if not grounded and time.monotonic() > grounding_end:
+                self._stop(worker)
+                for belief in left:
+                    record(belief, unknown('the problem is too large to be grounded in time'))
+                return Done(0, 0.0, 'not grounded in time')
+            if worker.connection.poll(TICK):
+                message = worker.receive()
+                grounded = True
+                if isinstance(message, Done | Unfitting):
+                    return message
+                for belief, attempt in message:
+                    left.discard(belief)
+                    record(belief, attempt)
+
+    def _stop(self, worker: Worker) -> None:
+        """Bring the worker to a stop; it is ended if it takes long."""
+        worker.send(Stop())
+        end = time.monotonic() + _GRACE
+        try:
+            while worker.connection.poll(max(0.0, end - time.monotonic())):
+                if isinstance(worker.receive(), Done | Unfitting):
+                    return
+        except EOFError:
+            pass
+        self.close()
+        self._worker = self._start()
+
+    def close(self) -> None:
+        """End the worker and its searches at once."""
+        if self._worker is not None:
+            self._worker.kill()
+            self._worker = None

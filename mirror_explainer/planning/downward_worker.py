@@ -1,0 +1,89 @@
+"""Worker of the fast way: Fast Downward, grounded once for all beliefs of a space.
+
+Run as a module by `worker.py`. It is the only program here that imports the
+translator; the searches are processes of its own group.
+"""
+
+import resource
+from collections.abc import Sequence
+from dataclasses import replace
+
+from mirror_explainer.planning import translator
+from mirror_explainer.planning.beliefs import Belief
+from mirror_explainer.planning.child import Parent
+from mirror_explainer.planning.grounding import Grounding
+from mirror_explainer.planning.messages import Ask, Attempt, Done, Stop, Unfitting
+from mirror_explainer.planning.pddl_lists import Lists
+from mirror_explainer.planning.searches import Searches
+from mirror_explainer.planning.subject import Subjects
+from mirror_explainer.planning.superset_walk import SupersetWalk
+from mirror_explainer.planning.translations import Translations
+
+
+class DownwardWorker:
+    """Serves a parent, and keeps the last grounding as long as it is right."""
+
+    def __init__(self, parent: Parent) -> None:
+        self._parent = parent
+        self._grounded: tuple[Lists, Grounding | str] | None = None
+
+    def serve(self) -> None:
+        """Answer the parent until it ends this process."""
+        while True:
+            message = self._parent.receive()
+            if isinstance(message, Ask):
+                limit = (message.memory_limit << 20, resource.RLIM_INFINITY)
+                resource.setrlimit(resource.RLIMIT_DATA, limit)
+                self._parent.send(self._answer(message))
+
+    def _answer(self, ask: Ask) -> Done | Unfitting:
+        def report(beliefs: Sequence[Belief], attempt: Attempt) -> None:
+            self._parent.send([(belief, attempt) for belief in beliefs])
+
+        searches = Searches(ask, report)
+        try:
+            subjects, way = self._subjects(ask)
+            self._parent.send([])
+            searches.run(subjects, self._parent.fileno(), self._stopped)
+        except (Exception, SystemExit) as error:  # whatever the translator may raise
+            return Unfitting(f'{type(error).__name__}: {error}')
+        return Done(searches.calls, searches.searching, way)
+
+    def _stopped(self) -> bool:
+        return isinstance(self._parent.receive(), Stop)
+
+    def _subjects(self, ask: Ask) -> tuple[list[Subjects], str]:
+        """Return what to plan for, and how in a few words."""
+        lists = translator.parse(ask.space)
+        grounding, way = self._grounding(lists)
+        if isinstance(grounding, str):
+            singles = Translations(lists, ask.space, ask.beliefs)
+            return [singles], f'each belief translated by itself: {grounding}'
+        together = [b for b in ask.beliefs if b.goal not in grounding.hard_goals]
+        alone = [b for b in ask.beliefs if b.goal in grounding.hard_goals]
+        initial = translator.initial_atoms(lists)
+        return [
+            SupersetWalk(grounding, initial, together, lists.scale),
+            Translations(lists, ask.space, alone),
+        ], way
+
+    def _grounding(self, lists: Lists) -> tuple[Grounding | str, str]:
+        """Return the last grounding if it is right for these texts, or ground anew."""
+        if self._grounded:
+            known, grounding = self._grounded
+            same = replace(known, initial_facts=()) == replace(lists, initial_facts=())
+            if same and isinstance(grounding, Grounding):
+                if grounding.holds_for(translator.initial_atoms(lists)):
+                    return grounding, 'grounding kept'
+        grounding = translator.ground(lists)
+        self._grounded = lists, grounding
+        return grounding, 'grounded once'
+
+
+def main() -> None:
+    """Serve the parent until it ends this process."""
+    DownwardWorker(Parent()).serve()
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,54 @@
+"""The beliefs that are translated each by itself: no shortcut, so that it is always right."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from mirror_explainer.planning import translator
+from mirror_explainer.planning.beliefs import Belief, BeliefSpace
+from mirror_explainer.planning.downward import OPTIMAL, OPTIMAL_AXIOMS, OPTIMAL_CONDITIONAL
+from mirror_explainer.planning.pddl_lists import Lists
+from mirror_explainer.planning.subject import Finding
+
+
+@dataclass(eq=False)
+class Single:
+    """One belief, and its actions' costs once it has been translated."""
+
+    members: list[Belief]
+    hopeless: bool = False
+    costs: dict[str, int] = field(default_factory=dict)
+
+
+class Translations:
+    """The beliefs to translate and plan for, one after another."""
+
+    def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
+        self._lists = lists
+        self._facts = space.uncertain_facts
+        self.ready = deque(Single([belief]) for belief in beliefs)
+
+    def known(self, single: Single) -> Finding | None:
+        """Return None: nothing is known without a search."""
+
+    def stand_in(self, single: Single) -> tuple[str, ...] | None:
+        """Return None: no other belief's plan is tried."""
+
+    def search_input(self, single: Single) -> tuple[bytes, tuple[str, ...]]:
+        """Return the input of the search, and the configurations that are optimal for it."""
+        translation = translator.translate(self._lists, single.members[0], self._facts)
+        single.costs = translation.costs
+        if translation.axioms:
+            return translation.text, OPTIMAL_AXIOMS
+        return translation.text, OPTIMAL_CONDITIONAL if translation.conditional else OPTIMAL
+
+    def checked(self, single: Single, actions: Sequence[str]) -> tuple[str, ...] | None:
+        """Return the plan: the actions without the last, which stands for the goal."""
+        return tuple(actions[:-1])
+
+    def cost(self, single: Single, plan: Sequence[str]) -> float:
+        """Return a plan's cost, in the problem's metric."""
+        return sum(single.costs[action] for action in plan) / self._lists.scale
+
+    def settle(self, single: Single, finding: Finding | None) -> None:
+        """Take note of nothing: no belief depends on another."""
