@@ -36,6 +36,7 @@ setup(
         'up-fast-downward>=1.0,<2',
     ],
     extras_require={
+        'experiments': ['matplotlib', 'pandas', 'scipy', 'tabulate', 'tqdm'],
         'test': [
             'hypothesis',
             'mypy',
@@ -43,7 +44,9 @@ setup(
             'pytest-benchmark',
             'pytest-timeout',
             'ruff',
+            'pandas-stubs',
             'types-PyYAML',
+            'types-tqdm',
             'up-pyperplan',
         ],
     },
@@ -54,7 +57,10 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
+            'compare = mirror_explainer.experiments.compare:main',
             'explainer_node = mirror_explainer.explainer_node:main',
+            'pucrs_benchmark = mirror_explainer.experiments.pucrs:main',
+            'user_study = mirror_explainer.experiments.user_study:main',
             'verbalize = mirror_explainer.verbalize:main',
             'warehouse_robot = mirror_explainer.warehouse_robot:main',
         ],
