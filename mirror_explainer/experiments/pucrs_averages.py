@@ -1,0 +1,124 @@
+"""The benchmark's results as tables: every row, their averages, and the paper's domains."""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import bootstrap  # type: ignore[import-untyped]
+
+PERCENTS = range(10, 101, 10)
+MEASURES = ('G_inf', 'D_G', 'H', 'IG', 'understanding')
+CONFIDENCE, RESAMPLES = 0.95, 2000
+
+# The paper's table: |P|, |A|, |I|, |G|, |π|.
+PAPER_TABLE: Mapping[str, tuple[float, float, float, float, float]] = {
+    'logistics': (3, 6, 22.16, 10.39, 24.41),
+    'intrusion-detection': (11, 9, 1, 16.67, 13.07),
+    'rovers': (32, 9, 172.71, 6, 24.93),
+    'satellite': (12, 5, 58, 6.43, 16.89),
+    'blocks-world': (5, 4, 14.58, 20.28, 14.50),
+    'miconic': (8, 4, 517, 6, 35.57),
+}
+
+
+def said_at(percent: int, plan_length: int) -> int:
+    """N = max(1, round(x·|π_R|)); halves are rounded to the even number."""
+    return max(1, round(percent * plan_length / 100))
+
+
+def every_row(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return one row for each instance, strategy and N."""
+    rows = []
+    for record in records:
+        result = record['result']
+        place = {'domain': record['domain'], 'instance': record['instance']}
+        place['plan_length'] = len(result['plan'])
+        for row in result['rows']:
+            positions = ' '.join(map(str, row['positions']))
+            rows.append(place | row | {'positions': positions})
+    return pd.DataFrame(rows)
+
+
+def at_percents(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return each instance's and strategy's row at 10 %, 20 %, … 100 % of its plan."""
+    parts = []
+    for percent in PERCENTS:
+        wanted = rows['plan_length'].map(lambda length, x=percent: said_at(x, length))
+        part = rows[rows['N'] == wanted].copy()
+        part.insert(2, 'percent', percent)
+        parts.append(part)
+    return pd.concat(parts, ignore_index=True)
+
+
+def averages(shares: pd.DataFrame) -> pd.DataFrame:
+    """Return the mean over a domain's instances with its confidence interval.
+
+    The interval is the 95 % percentile bootstrap of the mean, instances resampled.
+    """
+    lines = []
+    for (domain, strategy, percent), group in shares.groupby(
+        ['domain', 'strategy', 'percent'], sort=False
+    ):
+        for measure in MEASURES:
+            mean, low, high = mean_interval(np.asarray(group[measure], dtype=np.float64))
+            lines.append(
+                {
+                    'domain': domain,
+                    'strategy': strategy,
+                    'percent': percent,
+                    'measure': measure,
+                    'mean': mean,
+                    'low': low,
+                    'high': high,
+                    'instances': len(group),
+                }
+            )
+    return pd.DataFrame(lines)
+
+
+def mean_interval(values: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return the mean and its 95 % percentile bootstrap interval; always the same for a sample."""
+    mean = float(values.mean())
+    if np.ptp(values) == 0:
+        return mean, mean, mean
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')
+        found = bootstrap(
+            (values,), np.mean, n_resamples=RESAMPLES, confidence_level=CONFIDENCE,
+            method='percentile', rng=np.random.default_rng(0),
+        ).confidence_interval  # fmt: skip
+    return mean, float(found.low), float(found.high)
+
+
+def domain_measures(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the paper's table of domain measures beside ours."""
+    ours = pd.DataFrame(
+        [{'domain': r['domain'], **r['result']['measures']} for r in records]
+    ).astype({'optimal': float, 'observed': float})
+    lines = []
+    for domain, group in ours.groupby('domain', sort=False):
+        paper = PAPER_TABLE.get(str(domain), (np.nan,) * 5)
+        mean = group.mean(numeric_only=True)
+        lines.append(
+            {
+                'domain': domain,
+                '|P| paper': paper[0],
+                '|P|': mean['predicates'],
+                '|A| paper': paper[1],
+                '|A|': mean['actions'],
+                '|I| paper': paper[2],
+                '|I|': mean['initial'],
+                '|G| paper': paper[3],
+                '|G|': mean['goals'],
+                '|π| paper': paper[4],
+                '|π| observed': mean['observed'],
+                '|π| optimal': mean['optimal'],
+                '|π_R|': mean['robot_plan'],
+                'instances': len(group),
+                'with observations': int(group['observed'].notna().sum()),
+            }
+        )
+    return pd.DataFrame(lines)
