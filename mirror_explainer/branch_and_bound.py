@@ -138,8 +138,12 @@ class Nodes:
 
     def __getitem__(self, which: 'Booleans | Ints | slice') -> 'Nodes':
         return Nodes(
-            self.missing, self.log_weight[which], self.left[which], self.taken[which],
-            self.score[which], self.lower[which],
+            self.missing,
+            self.log_weight[which],
+            self.left[which],
+            self.taken[which],
+            self.score[which],
+            self.lower[which],
         )
 
 
@@ -156,11 +160,20 @@ class Scores:
 
     @classmethod
     def of(
-        cls, columns: Columns, n: int, log_reference: float, limit: float, target: float,
+        cls,
+        columns: Columns,
+        start: Ints,
+        limit: float,
+        target: float,
     ) -> 'Scores':
-        """Find multipliers for which no n copies score much more than `target` + offset."""
+        """Find multipliers for which no set as large as `start` scores far above the target.
+
+        What must be hit are the hypotheses that alone would lift F, relative
+        to that of `start`, above `limit`.
+        """
+        n = int(start.sum())
         gain = columns.single_gain[columns.sentence]
-        unhit = exp(columns.log_weight + columns.least[:, n] - log_reference)
+        unhit = exp(columns.log_weight + columns.least[:, n] - columns.log_value(start))
         hittable = columns.hits.any(axis=1)
         slack = limit - unhit[~hittable].sum()
         hits = columns.hits[hittable & (unhit > slack)]
@@ -180,7 +193,10 @@ class Scores:
         return cls(gain + best @ hits, float(best.sum()))
 
     def counts_between(
-        self, columns: Columns, n: int, least_gain: float,
+        self,
+        columns: Columns,
+        n: int,
+        least_gain: float,
     ) -> tuple[Ints, Ints]:
         """The fewest and the most copies (T,) in any set that reaches `least_gain`."""
         order = np.argsort(-self.copy, kind='stable')
@@ -196,28 +212,35 @@ class Scores:
 
 
 class Search:
-    """Looks for sets of n sentences with F ≤ `limit` and single gains ≥ `least_gain`.
+    """Looks for sets as large as `start` with F ≤ `limit` and single gains ≥ `least_gain`.
 
-    F is relative to exp(`log_reference`). Only sets with counts between
-    `at_least` and `at_most` are considered. With `scores`, sets with larger
-    single gains come first, else those with smaller F. Whoever consumes
-    `completions` may lower `limit` or raise `least_gain` between two of them,
-    so as to be shown better sets only.
+    F is relative to that of `start`, a set known to be good. Only sets with
+    counts between `at_least` and `at_most` are considered. With `scores`,
+    sets with larger single gains come first, else those with smaller F.
+    Whoever consumes `completions` may lower `limit` or raise `least_gain`
+    between two of them, so as to be shown better sets only.
     """
 
     def __init__(
-        self, columns: Columns, n: int, log_reference: float, limit: float, deadline: float,
-        scores: Scores | None = None, least_gain: float = -np.inf,
-        at_least: Ints | None = None, at_most: Ints | None = None,
+        self,
+        columns: Columns,
+        start: Ints,
+        limit: float,
+        deadline: float,
+        scores: Scores | None = None,
+        least_gain: float = -np.inf,
+        at_least: Ints | None = None,
+        at_most: Ints | None = None,
     ) -> None:
         taken = np.zeros_like(columns.copies) if at_least is None else at_least
         most = columns.copies if at_most is None else at_most
         self.columns = columns
-        self.log_reference = log_reference
+        self.log_reference = log_reference = columns.log_value(start)
         self.limit = limit
         self.deadline = deadline
         self.scores = scores
         self.least_gain = least_gain
+        self._expected = np.maximum(columns.log_products(start) - log_reference, -1e300)  # (K,)
         self._ratio = np.exp(columns.log_ratio)
         self._lacking = np.isneginf(columns.log_ratio)
         self._coefficients = np.vstack([columns.cost, columns.hits])
@@ -226,15 +249,22 @@ class Search:
         score = 0.0
         if scores is not None:
             score = float(scores.copy @ (columns.copy < taken[columns.sentence]))
+        n = int(start.sum())
         missing = n - int(taken.sum())
-        self._open = [Nodes(
-            missing=missing,
-            log_weight=columns.log_products(taken)[None] - log_reference,
-            left=(most - taken)[None],
-            taken=taken[None],
-            score=np.array([score]),
-            lower=np.array([exp(columns.log_floor(n) - log_reference)]),
-        )] if missing >= 0 else []
+        self._open = (
+            [
+                Nodes(
+                    missing=missing,
+                    log_weight=columns.log_products(taken)[None] - log_reference,
+                    left=(most - taken)[None],
+                    taken=taken[None],
+                    score=np.array([score]),
+                    lower=np.array([exp(columns.log_floor(n) - log_reference)]),
+                )
+            ]
+            if missing >= 0
+            else []
+        )
 
     @property
     def lower(self) -> float:
@@ -247,8 +277,8 @@ class Search:
             nodes = self._open.pop()
             nodes = nodes[nodes.lower <= self.limit]
             if len(nodes) > self._at_once:
-                self._open.append(nodes[self._at_once:])
-                nodes = nodes[:self._at_once]
+                self._open.append(nodes[self._at_once :])
+                nodes = nodes[: self._at_once]
             if nodes.missing == 0:
                 yield from self._within_limits(nodes.taken)
             elif nodes.missing == 1:
@@ -305,8 +335,11 @@ class Search:
         near = floor <= self.limit
         if self.scores is not None:
             score_rank, score_width = leading_copies(
-                self.scores.copy, self._untaken(nodes), missing,
-                self.least_gain + self.scores.offset - nodes.score)
+                self.scores.copy,
+                self._untaken(nodes),
+                missing,
+                self.least_gain + self.scores.offset - nodes.score,
+            )
             near &= score_width > 0
             score_rank, score_width = score_rank[near], score_width[near]
         nodes, unhit, hitters, floor = nodes[near], unhit[near], hitters[near], floor[near]
@@ -318,20 +351,26 @@ class Search:
         lower = np.maximum(lower, floor)
 
         rank, width = leading_copies(
-            marginal, allowed, missing, total * (1 - ROUNDING) - self.limit)
+            marginal, allowed, missing, total * (1 - ROUNDING) - self.limit
+        )
         rank = rank[:, self._first_copy]
         if self.scores is not None:
             next_copy = np.minimum(self._first_copy + nodes.taken, allowed.shape[1] - 1)
             narrower = score_width < width
-            rank = np.where(narrower[:, None],
-                            np.take_along_axis(score_rank, next_copy, axis=1), rank)
+            rank = np.where(
+                narrower[:, None], np.take_along_axis(score_rank, next_copy, axis=1), rank
+            )
             width = np.minimum(width, score_width)
         branch = (rank < width[:, None]) & (nodes.left > 0)  # (B, T) the witness sets
 
         slack = np.maximum(self.limit - floor, ROUNDING)[:, None]
         urgency = np.minimum(1.0, unhit / slack)
-        effort = np.divide(hitters, urgency, out=np.full_like(hitters, np.inf),
-                           where=(hitters > 0) & (urgency > 0))
+        effort = np.divide(
+            hitters,
+            urgency,
+            out=np.full_like(hitters, np.inf),
+            where=(hitters > 0) & (urgency > 0),
+        )
         hypothesis = effort.argmin(axis=1)
         every = np.arange(len(nodes))
         split = effort[every, hypothesis] < branch.sum(axis=1)
@@ -341,12 +380,16 @@ class Search:
         alive = lower <= self.limit
         spared = split & alive
         if spared.any():
-            self._open.append(Nodes(
-                missing, nodes.log_weight[spared],
-                np.where(hitting[spared], 0, nodes.left[spared]), nodes.taken[spared],
-                nodes.score[spared],
-                np.maximum(lower, floor + unhit[every, hypothesis])[spared],
-            ))
+            self._open.append(
+                Nodes(
+                    missing,
+                    nodes.log_weight[spared],
+                    np.where(hitting[spared], 0, nodes.left[spared]),
+                    nodes.taken[spared],
+                    nodes.score[spared],
+                    np.maximum(lower, floor + unhit[every, hypothesis])[spared],
+                )
+            )
         branch &= alive[:, None]
         order = np.argsort(np.where(branch, rank, rank.max() + 1), axis=1, kind='stable')
         place = np.empty_like(order)
@@ -361,40 +404,46 @@ class Search:
         score = nodes.score[node]
         if self.scores is not None:
             score = score + self.scores.copy[(self._first_copy + nodes.taken)[node, chosen]]
-        self._open.append(Nodes(
-            missing - 1, nodes.log_weight[node] + self.columns.log_ratio.T[chosen], left, taken,
-            score, lower[node],
-        ))
+        self._open.append(
+            Nodes(
+                missing - 1,
+                nodes.log_weight[node] + self.columns.log_ratio.T[chosen],
+                left,
+                taken,
+                score,
+                lower[node],
+            )
+        )
 
     def _bound(
-        self, nodes: Nodes, allowed: Booleans, unhit: Floats,
+        self,
+        nodes: Nodes,
+        allowed: Booleans,
+        unhit: Floats,
     ) -> tuple[Floats, Floats, Floats]:
         """Bound F below by sums of tangents: total (B,) − Σ_{i∈B} marginal (B, P).
 
         Returns the bound (B,) with its total and its marginals. The first
-        tangents are flat, at the least an unhit hypothesis can come to.
+        tangents are taken where `start` leaves every hypothesis.
         """
         missing = nodes.missing
         ceiling = exp(nodes.log_weight + missing * self.columns.largest)  # (B, K)
         lower = np.full(len(nodes), -np.inf)
         total, marginal = np.empty(len(nodes)), np.empty(allowed.shape)
         point = np.zeros(allowed.shape)
-        height, slope = unhit, np.zeros_like(unhit)
+        cost = nodes.log_weight + missing * self.columns.largest - self._expected  # (B, K)
+        spared = np.ones(cost.shape)
         rows = np.arange(len(nodes))
         for step in range(TANGENT_ROUNDS):
             if step > 0:
                 spared = np.maximum(1.0 - point[rows] @ self.columns.hits.T, 0.0)
-                cost = np.divide(point[rows] @ self.columns.cost.T, spared,
-                                 out=np.full_like(spared, np.inf), where=spared > 0)
-                slope = ceiling[rows] * np.exp(-cost)
-                height = slope * (1.0 + np.where(np.isinf(cost), 0.0, cost))
-                flat = (unhit[rows] > slope) & (spared > 0)
-                height, slope = np.where(flat, unhit[rows], height), np.where(flat, 0.0, slope)
+                cost = point[rows] @ self.columns.cost.T / np.maximum(spared, ROUNDING)
+            height, slope = tangents(ceiling[rows], unhit[rows], cost, spared > ROUNDING)
             gain = np.hstack([slope, height]) @ self._coefficients
             gain[~allowed[rows]] = -1.0
             best = np.argpartition(-gain, missing - 1, axis=1)[:, :missing]
             summed = height.sum(axis=1)
-            bound = summed * (1 - ROUNDING) - np.take_along_axis(gain, best, 1).sum(axis=1)
+            bound = summed * (1 - ROUNDING) - np.take_along_axis(gain, best, axis=1).sum(axis=1)
             better = bound > lower[rows]
             lower[rows[better]] = bound[better]
             total[rows[better]], marginal[rows[better]] = summed[better], gain[better]
@@ -405,8 +454,28 @@ class Search:
         return lower, total, marginal
 
 
+def tangents(
+    ceiling: Floats,
+    unhit: Floats,
+    cost: Floats,
+    spared: Booleans,
+) -> tuple[Floats, Floats]:
+    """Height and slope of the tangents to `ceiling` · exp(−x) at x = `cost`; all (B, K).
+
+    A flat one at `unhit`, the least value without a hit, where that is
+    higher; none at all for hypotheses that are not `spared` from being hit.
+    """
+    cost = np.clip(cost, 0.0, LARGEST_EXPONENT)
+    slope = np.where(spared, ceiling * np.exp(-cost), 0.0)
+    flat = spared & (unhit > slope)
+    return np.where(flat, unhit, slope * (1.0 + cost)), np.where(flat, 0.0, slope)
+
+
 def leading_copies(
-    score: Floats, allowed: Booleans, missing: int, required: Floats,
+    score: Floats,
+    allowed: Booleans,
+    missing: int,
+    required: Floats,
 ) -> tuple[Ints, Ints]:
     """Rank the copies by score, and count the leading ones of which a set must have one.
 

@@ -79,7 +79,10 @@ def curve(evidence: Evidence, budget: float | None = None) -> tuple[Selection, .
 
 
 def smallest_sufficient(
-    evidence: Evidence, required_gain: float, at_most: int, budget: float | None = None,
+    evidence: Evidence,
+    required_gain: float,
+    at_most: int,
+    budget: float | None = None,
 ) -> Selection:
     """The smallest selection that says enough: the threshold θ of the paper's Fig. 1.
 
@@ -101,12 +104,12 @@ def smallest_sufficient(
 
 def increasing(evidence: Evidence, n: int) -> Selection:
     """The paper's baseline: the first `n` positions in plan order."""
-    return _baseline(evidence, range(len(evidence.positions))[:max(n, 0)])
+    return _baseline(evidence, range(len(evidence.positions))[: max(n, 0)])
 
 
 def decreasing(evidence: Evidence, n: int) -> Selection:
     """The paper's baseline: the last `n` positions of the plan."""
-    return _baseline(evidence, range(len(evidence.positions))[::-1][:max(n, 0)])
+    return _baseline(evidence, range(len(evidence.positions))[::-1][: max(n, 0)])
 
 
 def informative_order(evidence: Evidence) -> tuple[Step, ...]:
@@ -133,7 +136,8 @@ def _deadline(budget: float | None) -> float:
 def _selection(evidence: Evidence, columns: Columns, counts: Ints, gap: float) -> Selection:
     """The lowest positions that say every sentence as often as `counts` (T,) has it."""
     said = sorted(
-        column for of_sentence, count in zip(columns.columns, counts, strict=True)
+        column
+        for of_sentence, count in zip(columns.columns, counts, strict=True)
         for column in of_sentence[:count]
     )
     positions = tuple(int(evidence.positions[column]) for column in said)
@@ -192,24 +196,29 @@ def _swapped(columns: Columns, counts: Ints) -> Ints:
 
 
 def _select(
-    evidence: Evidence, columns: Columns, n: int, greedy: list[tuple[int, float]],
+    evidence: Evidence,
+    columns: Columns,
+    n: int,
+    greedy: list[tuple[int, float]],
     deadline: float,
 ) -> Selection:
     """Find the optimum from the greedy start, then settle the ties."""
     n = min(max(n, 0), len(greedy))
-    counts = np.bincount(
-        [sentence for sentence, _ in greedy[:n]], minlength=len(columns.copies))
+    counts = np.bincount([sentence for sentence, _ in greedy[:n]], minlength=len(columns.copies))
     if 0 < n < len(greedy):
-        counts, gap = _optimum(columns, n, _swapped(columns, counts), deadline)
+        counts, gap = _optimum(columns, _swapped(columns, counts), deadline)
         if gap == 0:
-            counts = _settled(columns, n, counts, deadline)
+            counts = _settled(columns, counts, deadline)
     else:
         gap = 0.0
     return _selection(evidence, columns, counts, gap)
 
 
 def _select_all(
-    evidence: Evidence, columns: Columns, greedy: list[tuple[int, float]], largest: int,
+    evidence: Evidence,
+    columns: Columns,
+    greedy: list[tuple[int, float]],
+    largest: int,
     budget: float | None,
 ) -> Iterator[Selection]:
     """The selections of 0, 1, ... `largest` positions, with equal parts of what time is left."""
@@ -219,10 +228,10 @@ def _select_all(
         yield _select(evidence, columns, n, greedy, time.monotonic() + part)
 
 
-def _optimum(columns: Columns, n: int, start: Ints, deadline: float) -> tuple[Ints, float]:
+def _optimum(columns: Columns, start: Ints, deadline: float) -> tuple[Ints, float]:
     """The counts with the smallest F, no worse than `start`, and the proven gap in nats."""
     best, value = start, 1.0
-    search = Search(columns, n, columns.log_value(start), 1 - ROUNDING, deadline)
+    search = Search(columns, start, 1 - ROUNDING, deadline)
     for found in search.completions():
         best, value = found.counts, found.value
         search.limit = value * (1 - ROUNDING)
@@ -230,31 +239,40 @@ def _optimum(columns: Columns, n: int, start: Ints, deadline: float) -> tuple[In
     return best, gap if gap > TIE else 0.0
 
 
-def _settled(columns: Columns, n: int, best: Ints, deadline: float) -> Ints:
-    """Of all counts as good as `best`: the largest single gains, then the lowest positions."""
-    log_value = columns.log_value(best)
-    limit = math.exp(TIE)
-    most = float(best @ columns.single_gain)
-    scores = Scores.of(columns, n, log_value, limit, most)
-    search = Search(columns, n, log_value, limit, deadline, scores, most + ROUNDING * n)
+def _settled(columns: Columns, optimum: Ints, deadline: float) -> Ints:
+    """Of all sets as good as `optimum`: the largest single gains, then the lowest positions."""
+    limit = math.exp(TIE)  # of F, relative to that of the optimum
+    step = ROUNDING * optimum.sum()
+    best, most = optimum, float(optimum @ columns.single_gain)
+    scores = Scores.of(columns, optimum, limit, most)
+    search = Search(columns, optimum, limit, deadline, scores, most + step)
     for found in search.completions():
         best, most = found.counts, found.gain
-        search.least_gain = most + ROUNDING * n
+        search.least_gain = most + step
 
-    scores = Scores.of(columns, n, log_value, limit, most - TIE)
-    at_least, at_most = scores.counts_between(columns, n, most - TIE)
+    least = most - TIE
+    scores = Scores.of(columns, optimum, limit, least)
+    at_least, at_most = scores.counts_between(columns, int(optimum.sum()), least)
     fixed = np.zeros_like(best)
     for sentence in columns.sentence_of.values():
         if fixed[sentence] == at_most[sentence]:
             continue
         fixed[sentence] += 1
         if best[sentence] < fixed[sentence]:
-            search = Search(columns, n, log_value, limit, deadline, scores, most - TIE,
-                            np.maximum(fixed, at_least), at_most)
-            better = next(search.completions(), None)
-            if better is None:
+            search = Search(
+                columns,
+                optimum,
+                limit,
+                deadline,
+                scores,
+                least,
+                np.maximum(fixed, at_least),
+                at_most,
+            )
+            lower = next(search.completions(), None)
+            if lower is None:
                 fixed[sentence] -= 1
                 at_most[sentence] = fixed[sentence]
             else:
-                best = better.counts
+                best = lower.counts
     return best
