@@ -1,0 +1,132 @@
+"""What the commands without ROS share: their files and options in, a prepared model out."""
+
+import argparse
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.explainer import Preparation, prepare, robot_plan
+from mirror_explainer.mirror_model import MirrorModel
+from mirror_explainer.pddl import read_task
+from mirror_explainer.planning import Planner
+from mirror_explainer.selection import Selection, curve, decreasing, increasing
+from mirror_explainer.user_model import read_user_model
+
+
+def add_file_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Add the input files, and return their group."""
+    files = parser.add_argument_group('input')
+    files.add_argument('--domain', required=True, help='PDDL domain')
+    files.add_argument('--problem', required=True, help="PDDL problem: the robot's state and goal")
+    files.add_argument('--plan', help="the robot's plan; planned for if left out")
+    files.add_argument('--user-model', required=True, help='YAML: what the listener may believe')
+    return files
+
+
+def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what planning may be told."""
+    planning = parser.add_argument_group('planning')
+    planning.add_argument(
+        '--planner', default='fast-downward-opt', metavar='ENGINE',
+        help="unified-planning's name of the engine (default fast-downward-opt)",
+    )  # fmt: skip
+    planning.add_argument('--plans-per-belief', type=positive, default=1, metavar='K')
+    planning.add_argument('--max-beliefs', type=positive, default=1024, metavar='M')
+    planning.add_argument(
+        '--planning-timeout', type=seconds, default=10.0, metavar='S', help='per belief'
+    )
+    planning.add_argument(
+        '--deadline', type=seconds, default=60.0, metavar='S', help='for all planning'
+    )
+    planning.add_argument('--workers', type=positive, default=2, help='planning processes')
+
+
+def prepare_files(options: argparse.Namespace) -> Preparation:
+    """Read the files and plan, as the options of both functions above say.
+
+    Raises InputError and PlanningError.
+    """
+    started = time.perf_counter()
+    task = read_task(
+        read_text(options.domain), read_text(options.problem), options.domain, options.problem
+    )
+    plan = robot_plan(task, read_text(options.plan), options.plan) if options.plan else None
+    user_model = read_user_model(options.user_model, task)
+    read = time.perf_counter() - started
+    with Planner(
+        options.planner, workers=options.workers, planning_timeout=options.planning_timeout
+    ) as planner:
+        preparation = prepare(
+            task,
+            plan,
+            user_model,
+            planner,
+            max_beliefs=options.max_beliefs,
+            plans_per_belief=options.plans_per_belief,
+            deadline=options.deadline,
+        )
+    return replace(preparation, seconds=replace(preparation.seconds, read=read))
+
+
+def strategy_curves(
+    model: MirrorModel, said: Sequence[int] = (), budget: float | None = None
+) -> list[dict[str, Any]]:
+    """Return, for every N from 1, what each strategy achieves; the budget is in seconds."""
+    evidence = model.evidence(said)
+    best = curve(evidence, budget)
+    return [
+        {
+            'n': n,
+            'informative': _measures(best[n], model, said),
+            'increasing': _measures(increasing(evidence, n), model, said),
+            'decreasing': _measures(decreasing(evidence, n), model, said),
+        }
+        for n in range(1, len(evidence.positions) + 1)
+    ]
+
+
+def _measures(selection: Selection, model: MirrorModel, said: Sequence[int]) -> dict[str, Any]:
+    heard = [*said, *selection.positions]
+    return {
+        'positions': list(selection.positions),
+        'information_gain': selection.information_gain,
+        'cross_entropy': model.cross_entropy(heard),
+        'understanding': model.understanding(heard),
+        'gap': selection.gap,
+    }
+
+
+def read_text(path: str) -> str:
+    """Read a text file; raises InputError that names it."""
+    try:
+        return Path(path).read_text(encoding='utf-8-sig')
+    except UnicodeDecodeError as error:
+        raise InputError(path, f'this is no UTF-8 text: {error.reason}') from error
+    except OSError as error:
+        raise InputError(path, f'the file cannot be read: {error.strerror}') from error
+
+
+def positive(text: str) -> int:
+    """Read an option that is a whole number from 1 up."""
+    return at_least(1, text)
+
+
+def at_least(least: int, text: str) -> int:
+    """Read an option that is a whole number from `least` up."""
+    if not text.isdecimal() or int(text) < least:
+        raise argparse.ArgumentTypeError(f'"{text}" is no whole number from {least} up')
+    return int(text)
+
+
+def seconds(text: str) -> float:
+    """Read an option that is a number from 0 up."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float('nan')
+    if not 0 <= value < float('inf'):
+        raise argparse.ArgumentTypeError(f'"{text}" is no number from 0 up')
+    return value
