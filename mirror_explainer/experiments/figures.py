@@ -72,8 +72,8 @@ def draw_curve(
 
 
 def percent_axis(axes: Axes) -> None:
-    """Label the x axis as a share of the plan, from 10 % to 100 %."""
-    axes.set_xlim(0.08, 1.02)
+    """Let the x axis be the share of the plan that is said, from 10 % to 100 %."""
+    axes.set_xlim(0.07, 1.03)
     axes.set_xticks([0.1, 0.5, 1.0])
     axes.xaxis.set_major_formatter(PercentFormatter(xmax=1, decimals=0, symbol=' %'))
 

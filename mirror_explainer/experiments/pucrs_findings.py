@@ -96,12 +96,17 @@ def _near_the_goal(shares: pd.DataFrame, means: pd.DataFrame) -> Iterator[Findin
     early = _cells(means, 'D_G', 'informative', 10)
     average = _cells(means, 'D_G', 'informative', 100)
     low = [domain for domain in early if early[domain] < average[domain]]
+    counted = shares[(shares['percent'] == 10) & shares['ties'].notna()]
+    tied = counted.astype({'ties': float, 'D_G_ties': float, 'D_G_nearest': float})
     yield Finding(
         'What informative says first is near the goal (here: D_G at 10 % below the '
         "plan's average, which is D_G at 100 %).",
         _verdict(len(low), len(early), 'domains'),
         f'mean D_G of informative at 10 %: {_listed(early)}; all instances '
-        f"{_interval(first['informative'])}, the plan's average {_interval(whole)}",
+        f"{_interval(first['informative'])}, the plan's average {_interval(whole)}. Which of the "
+        f'equally informative selections is said decides this: there are '
+        f'{tied["ties"].median():.0f} of them in the median at 10 %, their mean D_G is '
+        f'{_interval(tied["D_G_ties"])}, that of the nearest {_interval(tied["D_G_nearest"])}',
     )
     to_decreasing = (first['informative'] - first['decreasing']).abs().groupby('domain').mean()
     to_increasing = (first['informative'] - first['increasing']).abs().groupby('domain').mean()

@@ -6,21 +6,27 @@ uncertain, with p = 0.5. Everything drawn depends on the seed and the instance's
 name alone.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from random import Random
+
+import numpy as np
 
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.ground_actions import distances_to_goal, ground_action
 from mirror_explainer.experiments.pucrs_dataset import Location, RecognitionProblem
 from mirror_explainer.explainer import Preparation, prepare
-from mirror_explainer.mirror_model import MirrorModel
+from mirror_explainer.mirror_model import Evidence, MirrorModel
 from mirror_explainer.pddl import Task, goal_expression, read_task
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
-from mirror_explainer.selection import Selection, curve, decreasing, increasing
+from mirror_explainer.selection import TIE, Selection, curve, decreasing, increasing
 from mirror_explainer.user_model import CandidateGoal, UserModel
 
 GOALS, UNCERTAIN_FACTS, FACT_PROBABILITY = 4, 4, 0.5
+# Selections of N among which the equally informative ones are counted; beyond, nobody counts.
+_COUNTED = 2000
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,11 @@ class Row:
     H and IG in nats, G_inf = H of this strategy − H of the informative one.
     D_G is the mean distance to the goal over the N actions said. `gap` bounds
     how far from the optimum the informative selection may be.
+
+    `ties` selections of N are as informative as the best, `D_G_ties` is the
+    mean of their D_G and `D_G_nearest` the least: what another way to choose
+    among them would come to. None for the other strategies, and for an N with
+    too many selections to look at.
     """
 
     strategy: str
@@ -51,6 +62,9 @@ class Row:
     D_G: float
     understanding: float
     gap: float
+    ties: int | None
+    D_G_ties: float | None
+    D_G_nearest: float | None
     positions: tuple[int, ...]
 
 
@@ -217,6 +231,7 @@ def measured(model: MirrorModel, distance: Sequence[float], budget: float) -> It
         lowest = model.cross_entropy(best.positions)
         for strategy, selection in selections.items():
             positions = selection.positions
+            tied = _tied(evidence, distance, selection) if selection is best else None
             entropy = model.cross_entropy(positions)
             yield Row(
                 strategy=strategy,
@@ -227,8 +242,22 @@ def measured(model: MirrorModel, distance: Sequence[float], budget: float) -> It
                 D_G=sum(distance[position] for position in positions) / n,
                 understanding=model.understanding(positions),
                 gap=best.gap,
+                ties=len(tied) if tied else None,
+                D_G_ties=sum(tied) / len(tied) if tied else None,
+                D_G_nearest=min(tied) if tied else None,
                 positions=positions,
             )
+
+
+def _tied(evidence: Evidence, distance: Sequence[float], best: Selection) -> list[float]:
+    """Return D_G of every selection that is as informative as the best, if they can be counted."""
+    n, size = len(best.positions), len(distance)
+    if math.comb(size, n) > _COUNTED:
+        return []
+    sets = np.array(list(combinations(range(size), n)))  # shape (selections, N)
+    gains = -np.log(evidence.prior @ evidence.ratio[:, sets].prod(axis=2))
+    tied = sets[gains >= best.information_gain - TIE]
+    return [float(mean) for mean in np.asarray(distance)[tied].mean(axis=1)]
 
 
 def _settled(result: BeliefPlans, goal: str) -> Plan:
