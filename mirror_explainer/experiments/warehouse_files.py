@@ -1,0 +1,32 @@
+"""Where the warehouse's files are, from a checkout as from an installed package."""
+
+from pathlib import Path
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.experiments.scenarios import Floor, floor
+from mirror_explainer.pddl import read_task
+from mirror_explainer.user_model import read_user_model
+
+_FOLDERS = (Path('config/warehouse'), Path('share/mirror_explainer/config/warehouse'))
+
+
+def warehouse_folder() -> Path:
+    """Return config/warehouse of the checkout, or of the prefix that the package lies in."""
+    for parent in Path(__file__).resolve().parents:
+        for folder in _FOLDERS:
+            if (parent / folder / 'domain.pddl').is_file():
+                return parent / folder
+    raise InputError('config/warehouse', 'the folder is not installed beside the package')
+
+
+def read_floor() -> Floor:
+    """Read the floor that the scenarios of the user study take place on."""
+    folder = warehouse_folder()
+    domain, problem = folder / 'domain.pddl', folder / 'problem.pddl'
+    task = read_task(
+        domain.read_text(encoding='utf-8'),
+        problem.read_text(encoding='utf-8'),
+        str(domain),
+        str(problem),
+    )
+    return floor(task, read_user_model(folder / 'user_model.yaml', task))
