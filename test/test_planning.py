@@ -399,3 +399,103 @@ def test_the_workers_end_when_the_program_that_started_them_is_killed() -> None:
 
     assert sessions
     assert wait_until(lambda: not any(processes_of(session) for session in sessions))
+
+
+def test_newer_input_is_answered_right_after_older_work_is_cancelled(planner: Planner) -> None:
+    cancelled = threading.Event()
+    asking = Asking(planner, HARD, cancelled)
+    time.sleep(0.3)
+    cancelled.set()
+    report = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
+    asking.join(timeout=5.0)
+
+    assert isinstance(asking.error, Cancelled)
+    assert [result.plans[0].cost for result in report.results] == [8, 3]
+
+
+def test_two_questions_at_once_are_both_answered_right(planner: Planner) -> None:
+    changed = replace(TOOLS, problem=TOOLS_PROBLEM.replace('(raw)', '(cut)'))
+    costs: dict[str, list[float]] = {'raw': [], 'cut': []}
+
+    def ask(name: str, space: BeliefSpace) -> None:
+        for _ in range(3):
+            report = planner.plan(space, [Belief(0)])
+            costs[name].append(report.results[0].plans[0].cost)
+
+    other = threading.Thread(target=ask, args=('cut', changed))
+    other.start()
+    ask('raw', TOOLS)
+    other.join(timeout=20.0)
+
+    assert costs == {'raw': [8, 8, 8], 'cut': [1, 1, 1]}
+
+
+def test_a_caller_that_fails_at_progress_leaves_the_planner_usable(planner: Planner) -> None:
+    def fail(done: int, total: int) -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)], progress=fail)
+    report = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
+
+    assert [result.plans[0].cost for result in report.results] == [8, 3]
+
+
+def test_a_search_that_is_killed_is_searched_again() -> None:
+    before = child_sessions()
+    with Planner('fast-downward-opt', planning_timeout=2.0) as planner:
+        asking = Asking(planner, HARD, threading.Event())
+        assert wait_until(lambda: searches_of(child_sessions() - before))
+        time.sleep(0.3)  # beyond the first try
+        for search in searches_of(child_sessions() - before):
+            os.kill(search, signal.SIGKILL)
+        asking.join(timeout=20.0)
+        report = planner.plan(HARD, [Belief(0)])
+
+    assert asking.error is None
+    assert report.planner_calls == 0
+    assert 'within 2 s' in report.results[0].reason
+
+
+def test_a_worker_killed_in_the_middle_of_a_search_is_replaced() -> None:
+    before = child_sessions()
+    with Planner('fast-downward-opt', planning_timeout=1.0) as planner:
+        asking = Asking(planner, HARD, threading.Event())
+        assert wait_until(lambda: searches_of(child_sessions() - before))
+        for session in child_sessions() - before:
+            os.kill(session, signal.SIGKILL)
+        asking.join(timeout=20.0)
+        report = planner.plan(HARD, [Belief(0), Belief(1)])
+
+    assert asking.error is None
+    assert report.results[0].status is Status.SOLVED
+    assert report.results[1].plans[0].optimal
+    assert child_sessions() == before
+
+
+def test_a_full_or_missing_temporary_directory_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, 'tempdir', '/no/such/directory')
+
+    with pytest.raises(PlanningError, match='/no/such/directory'):
+        Planner('fast-downward-opt')
+
+
+def test_goals_of_every_shape_are_planned_for() -> None:
+    space = BeliefSpace(
+        WAREHOUSE_DOMAIN,
+        WAREHOUSE_PROBLEM,
+        (
+            '(or (outside top_left_door) (holding red_cube))',
+            '(not (robot-at left))',
+            '(exists (?i - item) (holding ?i))',
+            '(forall (?d - door) (not (outside ?d)))',
+            '(imply (charged) (outside top_left_door))',
+        ),
+        ('(charged)',),
+    )
+    beliefs = [Belief(goal, frozenset(['(charged)'])) for goal in range(5)]
+    with Planner('fast-downward-opt') as planner:
+        report = planner.plan(space, beliefs)
+
+    # exit; move; center, doors, a room, grab; nothing; exit
+    assert [result.plans[0].cost for result in report.results] == [1, 1, 4, 0, 1]

@@ -107,15 +107,22 @@ class Search:
 def find_downward(named: str) -> str | None:
     """Return the `downward` program named, or the one up-fast-downward brings, None if none.
 
-    Raises PlanningError when the one named is no program.
+    Raises PlanningError when the one named is no program, or lacks its translator.
     """
     if named:
+        if importlib.util.find_spec('fast_downward') is None:
+            raise PlanningError(
+                "Fast Downward's translator is not installed, and the program named as "
+                'downward_binary is of no use without it: pip install fast-downward-translate.'
+            )
         if not os.access(named, os.X_OK) or Path(named).is_dir():
             raise PlanningError(
                 f'There is no program at "{named}", which is named as downward_binary. Give the '
                 "path of Fast Downward's search program, or leave it empty."
             )
         return str(Path(named).resolve())
+    if importlib.util.find_spec('fast_downward') is None:
+        return None
     package = importlib.util.find_spec('up_fast_downward')
     folders: Sequence[str] = (package and package.submodule_search_locations) or ()
     for folder in folders:

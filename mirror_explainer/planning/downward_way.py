@@ -9,7 +9,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 
-from mirror_explainer.errors import Cancelled, PlanningError
+from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
 from mirror_explainer.planning.limits import TICK, Limits
 from mirror_explainer.planning.messages import Ask, Attempt, Done, Stop, Unfitting, unknown
@@ -62,7 +62,7 @@ class DownwardWay:
         Returns what it took, or why this way cannot be gone. Raises Cancelled,
         and PlanningError when the worker dies more than once.
         """
-        left = set(beliefs)
+        left = dict.fromkeys(beliefs)
         for _ in range(_TRIES):
             if self._worker is None or not self._worker.alive:
                 self.close()
@@ -73,13 +73,16 @@ class DownwardWay:
                 words = self._worker.last_words()
                 _log.debug('the planning worker died: %s', words)
                 self.close()
+            except BaseException:
+                self._stop(self._worker)
+                raise
         raise PlanningError(f'The planning process died: {words or "it was killed"}.')
 
     def _ask(
         self,
         worker: Worker,
         space: BeliefSpace,
-        left: set[Belief],
+        left: dict[Belief, None],
         limits: Limits,
         record: Callable[[Belief, Attempt], None],
     ) -> Done | Unfitting:
@@ -97,11 +100,7 @@ class DownwardWay:
         grounded = False
         grounding_end = time.monotonic() + max(self._timeout, _GROUNDING_SECONDS)
         while True:
-            try:
-                limits.check()
-            except Cancelled:
-                self._stop(worker)
-                raise
+            limits.check()
             if limits.expired and not worker.connection.poll(_GRACE):
                 self._stop(worker)
                 return Done(0, 0.0, 'the deadline passed')
@@ -116,7 +115,7 @@ class DownwardWay:
                 if isinstance(message, Done | Unfitting):
                     return message
                 for belief, attempt in message:
-                    left.discard(belief)
+                    left.pop(belief, None)
                     record(belief, attempt)
 
     def _stop(self, worker: Worker) -> None:

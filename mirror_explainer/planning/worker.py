@@ -43,7 +43,7 @@ class Worker:
         self, module: str, descriptor: int, environment: Mapping[str, str] | None
     ) -> subprocess.Popen[bytes]:
         variables = dict(os.environ if environment is None else environment)
-        variables['PYTHONPATH'] = os.pathsep.join(path for path in sys.path if path)
+        variables['PYTHONPATH'] = os.pathsep.join(map(os.path.abspath, sys.path))
         variables['TMPDIR'] = str(self._directory)
         with (self._directory / 'stderr').open('wb') as stderr:
             return subprocess.Popen(
