@@ -1,6 +1,7 @@
 """Small planning problems for the tests of planning."""
 
 import itertools
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
@@ -130,6 +131,18 @@ def random_space(random: Random) -> BeliefSpace:
     if extra == 'or':
         goals[0] = f'(or {goals[0]} (and (at b) (not (lit))))'
     return BeliefSpace(domain, problem, tuple(goals), tuple(random.sample(_ATOMS, 3)))
+
+
+def with_changed_state(space: BeliefSpace, random: Random) -> BeliefSpace:
+    """Return the space with one or two of the facts that may change turned over."""
+    problem = space.problem
+    changing = [atom for atom in _ATOMS if 'link' not in atom]
+    for atom in random.sample(changing, random.randint(1, 2)):
+        if atom in problem:
+            problem = problem.replace(atom, '')
+        else:
+            problem = problem.replace('(:init ', f'(:init {atom} ')
+    return replace(space, problem=problem)
 
 
 _ARITY = {'at': 1, 'free': 1, 'tied': 2, 'lit': 0, 'link': 2}

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from mirror_explainer.experiments.planning_speed import read_instance, uncertain_case
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward import find_downward
-from pddl_cases import random_space
+from pddl_cases import random_space, with_changed_state
 
 BELIEFS_A_SPACE = 16  # 2 goals, 3 uncertain facts
 BELIEFS_A_ROUND = 512
@@ -125,6 +125,15 @@ def test_random_beliefs_cost_what_fast_downward_says(
     expected = plain_costs(space, beliefs, 'astar(blind())')
     assert [cost_of(result) for result in report.results] == expected
     assert report.planner_calls <= len(beliefs)
+
+    # The same once the world has changed a little, so that the grounding may be kept.
+    random = Random(seed)
+    moved = with_changed_state(space, random)
+    report = planner.plan(moved, beliefs)
+
+    asked = random.sample(beliefs, 4)
+    found = dict(zip(beliefs, map(cost_of, report.results), strict=True))
+    assert [found[belief] for belief in asked] == plain_costs(moved, asked, 'astar(blind())')
 
 
 @pytest.mark.skipif(not PUCRS, reason='MIRROR_EXPLAINER_PUCRS does not name the PUCRS problems')

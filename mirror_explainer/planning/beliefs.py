@@ -56,7 +56,8 @@ class Status(Enum):
 class BeliefPlans:
     """What planning found for one belief: plans from the cheapest up, none unless SOLVED.
 
-    `reason` says in a few words why the status is UNKNOWN.
+    `reason` says in a few words why the status is UNKNOWN, or why a plan that is
+    not optimal stands in for one that is.
     """
 
     status: Status

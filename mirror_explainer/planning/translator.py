@@ -89,7 +89,6 @@ def ground(lists: Lists) -> Grounding | str:
 
 def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation:
     """Translate one belief by itself; `facts` are the texts of the space's uncertain facts."""
-    _set_options()
     named = zip(lists.facts, facts, strict=True)
     true = [fact for fact, text in named if text in belief.true_facts]
     task = _parsed(
@@ -107,14 +106,8 @@ def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation
     )
 
 
-def _set_options() -> None:
-    options.set_options(
-        ['-', '-', '--invariant-generation-max-time', str(_INVARIANT_SECONDS)]
-    )
-
-
 def _parsed(domain: list[Any], problem: list[Any]) -> pddl.Task:
-    _set_options()
+    options.set_options(['-', '-', '--invariant-generation-max-time', str(_INVARIANT_SECONDS)])
     task = parsing_functions.parse_task(domain, problem)
     normalize.normalize(task)
     return task
