@@ -88,7 +88,7 @@ def mean_interval(values: NDArray[np.float64]) -> tuple[float, float, float]:
         warnings.simplefilter('ignore')
         found = bootstrap(
             (values,), np.mean, n_resamples=RESAMPLES, confidence_level=CONFIDENCE,
-            method='percentile', rng=np.random.default_rng(0),
+            method='percentile', random_state=np.random.default_rng(0),
         ).confidence_interval  # fmt: skip
     return mean, float(found.low), float(found.high)
 

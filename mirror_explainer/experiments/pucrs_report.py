@@ -17,7 +17,7 @@ from mirror_explainer.experiments.pucrs_figure import benchmark_figure
 from mirror_explainer.experiments.pucrs_findings import Finding, findings
 from mirror_explainer.experiments.pucrs_protocol import UNCERTAIN_FACTS
 
-_FLOATS = '%.10g'
+_FLOATS = '%.12g'
 _SHOWN_PERCENTS = (10, 20, 30, 50, 100)
 
 
