@@ -130,7 +130,6 @@ class Nodes:
     log_weight: Floats  # (B, K) log w_k ∏_{i∈A} r_k(s_i)
     left: Ints  # (B, T) copies that may still be taken
     taken: Ints  # (B, T) copies in A
-    score: Floats  # (B,) sum of the scores of A
     lower: Floats  # (B,) lower bound on F of any completion, relative to the reference
 
     def __len__(self) -> int:
@@ -142,55 +141,59 @@ class Nodes:
             self.log_weight[which],
             self.left[which],
             self.taken[which],
-            self.score[which],
             self.lower[which],
         )
 
 
 @dataclass(frozen=True)
 class Scores:
-    """Single gains that also count what must be hit, for a sharper bound on their sum.
+    """What a set must do besides having large single gains, and what that is worth.
 
-    A set that hits each of some hypotheses has a sum of scores of at least
-    `offset` more than its sum of single gains (Lagrange).
+    No single hypothesis may keep F above the limit: a set has to hit it, or
+    has to bring the cost that makes it small enough. Each copy does a share of
+    that, and the shares of a set must add up to 1. Each condition has a
+    multiplier λ ≥ 0 (Lagrange), so that for all sets that meet them
+    Σ_i gain_i ≤ Σ_i (gain_i + Σ_k λ_k share_ki) − Σ_k λ_k.
     """
 
-    copy: Floats  # (P,) the single gain of each copy + Σ of the multipliers of what it hits
-    offset: float  # Σ of all multipliers
+    gain: Floats  # (P,) the single gain of each copy
+    share: Floats  # (C, P) of C conditions
+    multiplier: Floats  # (C,)
 
     @classmethod
-    def of(
-        cls,
-        columns: Columns,
-        start: Ints,
-        limit: float,
-        target: float,
-    ) -> 'Scores':
-        """Find multipliers for which no set as large as `start` scores far above the target.
+    def of(cls, columns: Columns, start: Ints, limit: float, target: float) -> 'Scores':
+        """Find multipliers that bound the gains of sets as large as `start` near `target`.
 
-        What must be hit are the hypotheses that alone would lift F, relative
-        to that of `start`, above `limit`.
+        `limit` is that of F, relative to `start`.
         """
         n = int(start.sum())
+        log_weight = columns.log_weight - columns.log_value(start)
+        unhit = exp(log_weight + columns.least[:, n])
+        floor = np.where(columns.hits.any(axis=1), 0.0, unhit)
+        slack = np.maximum(limit - (floor.sum() - floor), 0.0) + ROUNDING
+        needed = log_weight + n * columns.largest - np.log(slack)  # (K,) cost
+        share = np.minimum(columns.cost / np.maximum(needed, ROUNDING)[:, None], 1.0)
+        share[unhit > slack] = 0.0
+        share = np.where(columns.hits > 0, 1.0, share)[needed > 0]
+
         gain = columns.single_gain[columns.sentence]
-        unhit = exp(columns.log_weight + columns.least[:, n] - columns.log_value(start))
-        hittable = columns.hits.any(axis=1)
-        slack = limit - unhit[~hittable].sum()
-        hits = columns.hits[hittable & (unhit > slack)]
-        multiplier = np.zeros(len(hits))
-        best, lowest = multiplier, np.inf
+        multiplier = np.zeros(len(share))
+        best, lowest, reach = multiplier, np.inf, 1.0
         for _ in range(MULTIPLIER_ROUNDS):
-            score = gain + multiplier @ hits
+            score = gain + multiplier @ share
             top = np.argpartition(-score, n - 1)[:n]
             highest = float(score[top].sum() - multiplier.sum())
             if highest < lowest:
                 best, lowest = multiplier, highest
-            excess = hits[:, top].sum(axis=1) - 1.0
-            if highest <= target or not (excess < 0).any():
+            else:
+                reach *= 0.9
+            excess = share[:, top].sum(axis=1) - 1.0
+            excess[(multiplier == 0) & (excess > 0)] = 0.0
+            if highest <= target or not excess.any():
                 break
-            step = (highest - target) / (excess @ excess)
+            step = reach * (highest - target) / (excess @ excess)
             multiplier = np.maximum(multiplier - step * excess, 0.0)
-        return cls(gain + best @ hits, float(best.sum()))
+        return cls(gain, share[best > 0], best[best > 0])
 
     def counts_between(
         self,
@@ -199,9 +202,10 @@ class Scores:
         least_gain: float,
     ) -> tuple[Ints, Ints]:
         """The fewest and the most copies (T,) in any set that reaches `least_gain`."""
-        order = np.argsort(-self.copy, kind='stable')
-        score = self.copy[order]
-        spare = score[:n].sum() - self.offset - least_gain + ROUNDING * n
+        score = self.gain + self.multiplier @ self.share
+        order = np.argsort(-score, kind='stable')
+        score = score[order]
+        spare = score[:n].sum() - self.multiplier.sum() - least_gain + ROUNDING * n
         needed = np.zeros(len(order), dtype=np.int64)
         possible = np.zeros(len(order), dtype=np.int64)
         needed[order[:n]] = score[:n] - score[n] > spare
@@ -215,7 +219,7 @@ class Search:
     """Looks for sets as large as `start` with F ≤ `limit` and single gains ≥ `least_gain`.
 
     F is relative to that of `start`, a set known to be good. Only sets with
-    counts between `at_least` and `at_most` are considered. With `scores`,
+    counts between `at_least` and `at_most` are considered, and not `other_than`. With `scores`,
     sets with larger single gains come first, else those with smaller F.
     Whoever consumes `completions` may lower `limit` or raise `least_gain`
     between two of them, so as to be shown better sets only.
@@ -231,6 +235,7 @@ class Search:
         least_gain: float = -np.inf,
         at_least: Ints | None = None,
         at_most: Ints | None = None,
+        other_than: Ints | None = None,
     ) -> None:
         taken = np.zeros_like(columns.copies) if at_least is None else at_least
         most = columns.copies if at_most is None else at_most
@@ -241,14 +246,12 @@ class Search:
         self.scores = scores
         self.least_gain = least_gain
         self._expected = np.maximum(columns.log_products(start) - log_reference, -1e300)  # (K,)
+        self._except = np.full_like(start, -1) if other_than is None else other_than
         self._ratio = np.exp(columns.log_ratio)
         self._lacking = np.isneginf(columns.log_ratio)
         self._coefficients = np.vstack([columns.cost, columns.hits])
         self._first_copy = np.cumsum(columns.copies) - columns.copies
         self._at_once = max(1, CELLS_AT_ONCE // max(1, columns.hits.size))
-        score = 0.0
-        if scores is not None:
-            score = float(scores.copy @ (columns.copy < taken[columns.sentence]))
         n = int(start.sum())
         missing = n - int(taken.sum())
         self._open = (
@@ -258,7 +261,6 @@ class Search:
                     log_weight=columns.log_products(taken)[None] - log_reference,
                     left=(most - taken)[None],
                     taken=taken[None],
-                    score=np.array([score]),
                     lower=np.array([exp(columns.log_floor(n) - log_reference)]),
                 )
             ]
@@ -279,39 +281,63 @@ class Search:
             if len(nodes) > self._at_once:
                 self._open.append(nodes[self._at_once :])
                 nodes = nodes[: self._at_once]
+            if not len(nodes):
+                continue
             if nodes.missing == 0:
                 yield from self._within_limits(nodes.taken)
             elif nodes.missing == 1:
                 yield from self._with_last(nodes)
-            elif len(nodes):
-                if self.scores is not None:
-                    yield from self._filled_by_score(nodes, self.scores)
-                self._expand(nodes)
+            elif self.scores is None:
+                self._expand(nodes[nodes.left.sum(axis=1) >= nodes.missing])
+            else:
+                nodes, rank, width = self._ranked(nodes, self.scores)
+                yield from self._within_limits(self._filled(nodes, rank))
+                following = np.minimum(self._first_copy + nodes.taken, rank.shape[1] - 1)
+                self._expand(nodes, (np.take_along_axis(rank, following, axis=1), width))
 
     def _within_limits(self, counts: Ints) -> Iterator[Completion]:
         """The set with the largest single gains among `counts` (B, T) within the limits."""
         value = exp(self.columns.log_products(counts) - self.log_reference).sum(axis=1)
         gain = counts @ self.columns.single_gain
         good = (value <= self.limit) & (gain >= self.least_gain)
+        good &= (counts != self._except).any(axis=1)
         if good.any():
             best = int(np.where(good, gain, -np.inf).argmax())
             yield Completion(counts[best], float(value[best]), float(gain[best]))
 
-    def _filled_by_score(self, nodes: Nodes, scores: Scores) -> Iterator[Completion]:
-        """Complete every node by the sentences with the largest scores."""
-        order = np.argsort(-scores.copy, kind='stable')
-        allowed = self._untaken(nodes)[:, order]
-        leading = np.empty_like(allowed)
-        leading[:, order] = allowed & (allowed.cumsum(axis=1) <= nodes.missing)
-        added = np.add.reduceat(leading, self._first_copy, axis=1, dtype=np.int64)
-        enough = added.sum(axis=1) == nodes.missing
-        yield from self._within_limits((nodes.taken + added)[enough])
+    def _ranked(self, nodes: Nodes, scores: Scores) -> tuple[Nodes, Ints, Ints]:
+        """Rank the copies (B, P) by score, where the nodes can reach the least gain at all.
+
+        Also the number (B,) of leading copies of which a node needs at least one.
+        """
+        copy, sentence = self.columns.copy, self.columns.sentence
+        taken, left = nodes.taken[:, sentence], nodes.left[:, sentence]
+        rest = 1.0 - (copy < taken) @ scores.share.T  # (B, C) of the conditions
+        multiplier = np.where(rest > 0, scores.multiplier, 0.0)
+        rank, width = leading_copies(
+            scores.gain + multiplier @ scores.share,
+            (copy >= taken) & (copy < taken + left),
+            nodes.missing,
+            self.least_gain
+            - nodes.taken @ self.columns.single_gain
+            + (multiplier * rest).sum(axis=1),
+        )
+        near = width > 0
+        return nodes[near], rank[near], width[near]
+
+    def _filled(self, nodes: Nodes, rank: Ints) -> Ints:
+        """Complete every node by its first copies in rank, as counts (B, T)."""
+        leading = rank < nodes.missing
+        return nodes.taken + np.add.reduceat(leading, self._first_copy, axis=1, dtype=np.int64)
 
     def _with_last(self, nodes: Nodes) -> Iterator[Completion]:
         """Complete every node by its one missing sentence: all of them at once."""
         value = exp(nodes.log_weight) @ self._ratio  # (B, T)
         gain = (nodes.taken @ self.columns.single_gain)[:, None] + self.columns.single_gain
         good = (nodes.left > 0) & (value <= self.limit) & (gain >= self.least_gain)
+        differing = nodes.taken != self._except
+        same = (differing.sum(axis=1) == 1)[:, None] & (nodes.taken + 1 == self._except)
+        good &= ~same
         if good.any():
             merit = np.where(good, -value if self.scores is None else gain, -np.inf)
             node, last = np.unravel_index(merit.argmax(), merit.shape)
@@ -319,33 +345,18 @@ class Search:
             counts[last] += 1
             yield Completion(counts, float(value[node, last]), float(gain[node, last]))
 
-    def _untaken(self, nodes: Nodes) -> Booleans:
-        """Which copies each node may still take, shape (B, P)."""
-        taken = nodes.taken[:, self.columns.sentence]
-        left = nodes.left[:, self.columns.sentence]
-        return (self.columns.copy >= taken) & (self.columns.copy < taken + left)
+    def _expand(self, nodes: Nodes, by_score: tuple[Ints, Ints] | None = None) -> None:
+        """Close the nodes that cannot lead within the limits, and branch on the others.
 
-    def _expand(self, nodes: Nodes) -> None:
-        """Close the nodes that cannot lead within the limits, and branch on the others."""
-        missing = nodes.missing
-        nodes = nodes[nodes.left.sum(axis=1) >= missing]
+        A set within the limits needs one of the sentences that lead in marginals
+        and, if there are scores, one of those that lead in scores, which come
+        as ranks (B, T) and numbers (B,); or else one of those that hit some
+        hypothesis, unless that stays unhit. The smallest choice is branched on.
+        """
+        missing, every = nodes.missing, np.arange(len(nodes))
         unhit = exp(nodes.log_weight + self.columns.least[:, missing])  # (B, K)
         hitters = (nodes.left > 0) @ self._lacking.T.astype(float)  # (B, K)
         floor = np.where(hitters == 0, unhit, 0.0).sum(axis=1)
-        near = floor <= self.limit
-        if self.scores is not None:
-            score_rank, score_width = leading_copies(
-                self.scores.copy,
-                self._untaken(nodes),
-                missing,
-                self.least_gain + self.scores.offset - nodes.score,
-            )
-            near &= score_width > 0
-            score_rank, score_width = score_rank[near], score_width[near]
-        nodes, unhit, hitters, floor = nodes[near], unhit[near], hitters[near], floor[near]
-        if not len(nodes):
-            return
-        # after what is taken, the next copy of a sentence hits nothing more than the first would
         allowed = self.columns.copy < nodes.left[:, self.columns.sentence]
         lower, total, marginal = self._bound(nodes, allowed, unhit)
         lower = np.maximum(lower, floor)
@@ -354,13 +365,10 @@ class Search:
             marginal, allowed, missing, total * (1 - ROUNDING) - self.limit
         )
         rank = rank[:, self._first_copy]
-        if self.scores is not None:
-            next_copy = np.minimum(self._first_copy + nodes.taken, allowed.shape[1] - 1)
-            narrower = score_width < width
-            rank = np.where(
-                narrower[:, None], np.take_along_axis(score_rank, next_copy, axis=1), rank
-            )
-            width = np.minimum(width, score_width)
+        if by_score is not None:
+            narrower = by_score[1] < width
+            rank = np.where(narrower[:, None], by_score[0], rank)
+            width = np.where(narrower, by_score[1], width)
         branch = (rank < width[:, None]) & (nodes.left > 0)  # (B, T) the witness sets
 
         slack = np.maximum(self.limit - floor, ROUNDING)[:, None]
@@ -372,7 +380,6 @@ class Search:
             where=(hitters > 0) & (urgency > 0),
         )
         hypothesis = effort.argmin(axis=1)
-        every = np.arange(len(nodes))
         split = effort[every, hypothesis] < branch.sum(axis=1)
         hitting = self._lacking[hypothesis] & (nodes.left > 0)
         branch = np.where(split[:, None], hitting, branch)
@@ -386,12 +393,11 @@ class Search:
                     nodes.log_weight[spared],
                     np.where(hitting[spared], 0, nodes.left[spared]),
                     nodes.taken[spared],
-                    nodes.score[spared],
                     np.maximum(lower, floor + unhit[every, hypothesis])[spared],
                 )
             )
         branch &= alive[:, None]
-        order = np.argsort(np.where(branch, rank, rank.max() + 1), axis=1, kind='stable')
+        order = np.argsort(np.where(branch, rank, allowed.shape[1]), axis=1, kind='stable')
         place = np.empty_like(order)
         np.put_along_axis(place, order, np.arange(order.shape[1])[None], axis=1)
         node, nth = np.nonzero(np.arange(order.shape[1]) < branch.sum(axis=1)[:, None])
@@ -401,16 +407,12 @@ class Search:
         taken = nodes.taken[node]
         left[child, chosen] -= 1
         taken[child, chosen] += 1
-        score = nodes.score[node]
-        if self.scores is not None:
-            score = score + self.scores.copy[(self._first_copy + nodes.taken)[node, chosen]]
         self._open.append(
             Nodes(
                 missing - 1,
                 nodes.log_weight[node] + self.columns.log_ratio.T[chosen],
                 left,
                 taken,
-                score,
                 lower[node],
             )
         )

@@ -22,6 +22,7 @@ from mirror_explainer.branch_and_bound import (
     Ints,
     Scores,
     Search,
+    exp,
     log_sum,
 )
 from mirror_explainer.mirror_model import Evidence
@@ -178,21 +179,31 @@ def _greedy(columns: Columns) -> list[tuple[int, float]]:
     return order
 
 
-def _swapped(columns: Columns, counts: Ints) -> Ints:
-    """Exchange one sentence for another, the best exchange first, as long as it helps."""
+def _swapped(columns: Columns, counts: Ints, limit: float | None = None) -> Ints:
+    """Exchange one sentence for another, the best exchange first, as long as it helps.
+
+    It helps if it makes F smaller; or, with a `limit` on F relative to that of
+    `counts`, if it makes the sum of single gains larger.
+    """
     ratio = np.exp(columns.log_ratio)
+    gain = columns.single_gain
     log_value = columns.log_value(counts)
     while True:
         said = np.flatnonzero(counts)
         without = counts - np.eye(len(counts), dtype=np.int64)[said]
-        value = np.exp(np.minimum(columns.log_products(without) - log_value, 600.0)) @ ratio
+        value = exp(columns.log_products(without) - log_value) @ ratio  # (said, T)
         value[:, counts >= columns.copies] = np.inf
-        out, new = np.unravel_index(value.argmin(), value.shape)
-        if value[out, new] >= 1 - ROUNDING:
+        if limit is None:
+            improvement = 1 - value
+        else:
+            improvement = np.where(value <= limit, gain - gain[said, None], -np.inf)
+        out, new = np.unravel_index(improvement.argmax(), improvement.shape)
+        if improvement[out, new] <= ROUNDING:
             return counts
         counts = without[out]
         counts[new] += 1
-        log_value = columns.log_value(counts)
+        if limit is None:
+            log_value = columns.log_value(counts)
 
 
 def _select(
@@ -242,37 +253,39 @@ def _optimum(columns: Columns, start: Ints, deadline: float) -> tuple[Ints, floa
 def _settled(columns: Columns, optimum: Ints, deadline: float) -> Ints:
     """Of all sets as good as `optimum`: the largest single gains, then the lowest positions."""
     limit = math.exp(TIE)  # of F, relative to that of the optimum
-    step = ROUNDING * optimum.sum()
-    best, most = optimum, float(optimum @ columns.single_gain)
+    n = int(optimum.sum())
+    best = _swapped(columns, optimum, limit)
+    most = float(best @ columns.single_gain)
     scores = Scores.of(columns, optimum, limit, most)
-    search = Search(columns, optimum, limit, deadline, scores, most + step)
+    between = scores.counts_between(columns, n, most)
+    search = Search(columns, optimum, limit, deadline, scores, most + ROUNDING * n, *between)
     for found in search.completions():
         best, most = found.counts, found.gain
-        search.least_gain = most + step
+        search.least_gain = most + ROUNDING * n
 
     least = most - TIE
     scores = Scores.of(columns, optimum, limit, least)
-    at_least, at_most = scores.counts_between(columns, int(optimum.sum()), least)
+    at_least, at_most = scores.counts_between(columns, n, least)
+
+    def other(fewest: Ints) -> Ints | None:
+        """Another set with the same gains, if there is one, with at least these counts."""
+        search = Search(
+            columns, optimum, limit, deadline, scores, least, fewest, at_most, other_than=best
+        )
+        return next((found.counts for found in search.completions()), None)
+
+    if (at_least == at_most).all() or other(at_least) is None:
+        return best
     fixed = np.zeros_like(best)
     for sentence in columns.sentence_of.values():
         if fixed[sentence] == at_most[sentence]:
             continue
         fixed[sentence] += 1
         if best[sentence] < fixed[sentence]:
-            search = Search(
-                columns,
-                optimum,
-                limit,
-                deadline,
-                scores,
-                least,
-                np.maximum(fixed, at_least),
-                at_most,
-            )
-            lower = next(search.completions(), None)
+            lower = other(np.maximum(fixed, at_least))
             if lower is None:
                 fixed[sentence] -= 1
                 at_most[sentence] = fixed[sentence]
             else:
-                best = lower.counts
+                best = lower
     return best
