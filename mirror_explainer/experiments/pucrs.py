@@ -37,7 +37,7 @@ PAPER_DOMAINS = (
     'miconic',
 )
 ENVIRONMENT = 'MIRROR_EXPLAINER_PUCRS'
-_VERSION = 2  # of the protocol's code: results of another one are not resumed
+_VERSION = 4  # of the protocol's code: results of another one are not resumed
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,7 @@ def every_row(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
         result = record['result']
         place = {'domain': record['domain'], 'instance': record['instance']}
         place['plan_length'] = len(result['plan'])
+        place['last_shared'] = result['last_shared']
         for row in result['rows']:
             positions = ' '.join(map(str, row['positions']))
             rows.append(place | row | {'positions': positions})

@@ -54,13 +54,24 @@ def _first_tenth(shares: pd.DataFrame, means: pd.DataFrame) -> Iterator[Finding]
     close = [domain for domain, gain in gains.items() if gain <= EQUALLY]
     first = _paired(shares, 'G_inf', 10)
     equal = first['decreasing'] <= _ROUNDING
+    shared = shares.groupby(['domain', 'instance'])['last_shared'].first() > 0
+    by_sharing = {
+        'no other candidate goal has:': first.loc[~shared, 'decreasing'],
+        'another one has too:': first.loc[shared, 'decreasing'],
+    }
+    split = ', '.join(
+        f'{which} {_interval(gain)} ({len(gain)} instances)'
+        for which, gain in by_sharing.items()
+        if len(gain)
+    )
     yield Finding(
         'After the first 10 %, informative and decreasing are equally informative '
         f'(here: a mean G_inf of decreasing of at most {EQUALLY} nats).',
         _verdict(len(close), len(gains), 'domains'),
         f'mean G_inf of decreasing at 10 %: {_listed(gains)}; all instances '
         f'{_interval(first["decreasing"])}, increasing {_interval(first["increasing"])}; '
-        f'exactly equal on {int(equal.sum())} of {len(first)} instances',
+        f'exactly equal on {int(equal.sum())} of {len(first)} instances. Where the last action '
+        f'brings about what {split}',
     )
 
 

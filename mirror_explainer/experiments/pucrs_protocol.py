@@ -19,7 +19,7 @@ from mirror_explainer.experiments.ground_actions import distances_to_goal, groun
 from mirror_explainer.experiments.pucrs_dataset import Location, RecognitionProblem
 from mirror_explainer.explainer import Preparation, prepare
 from mirror_explainer.mirror_model import Evidence, MirrorModel
-from mirror_explainer.pddl import Task, goal_expression, read_task
+from mirror_explainer.pddl import Task, atom_text, conjuncts, goal_expression, read_task
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
 from mirror_explainer.selection import TIE, Selection, curve, decreasing, increasing
 from mirror_explainer.user_model import CandidateGoal, UserModel
@@ -87,13 +87,18 @@ class Measures:
 
 @dataclass(frozen=True)
 class Result:
-    """All that was drawn and measured on one instance."""
+    """All that was drawn and measured on one instance.
+
+    `last_shared` of the other goals have, like the robot's, the goal predicates
+    that the plan's last action brings about.
+    """
 
     goals: tuple[str, ...]
     uncertain_facts: tuple[str, ...]
     plan: tuple[str, ...]
     unsolvable: tuple[str, ...]
     unsolvable_mass: float
+    last_shared: int
     measures: Measures
     rows: tuple[Row, ...]
 
@@ -135,6 +140,7 @@ def run_instance(location: Location, problem: RecognitionProblem, settings: Sett
         plan=draw.plan.actions,
         unsolvable=draw.unsolvable,
         unsolvable_mass=preparation.model.unsolvable_mass,
+        last_shared=goals_sharing_last(task, draw),
         measures=Measures(
             predicates=len(task.model.fluents),
             actions=len(task.model.actions),
@@ -200,6 +206,16 @@ def draw_facts(task: Task, plan: Plan, random: Random, source: str) -> tuple[str
     if not holding:
         raise InputError(source, "no precondition of the robot's plan holds initially")
     return tuple(random.sample(holding, min(UNCERTAIN_FACTS, len(holding))))
+
+
+def goals_sharing_last(task: Task, draw: Draw) -> int:
+    """Count the other goals that have all that π_R's last action does for the robot's goal."""
+    own, *others = (
+        {atom_text(atom) for atom in conjuncts(goal_expression(task.model, goal))}
+        for goal in draw.goals
+    )
+    reached = ground_action(task, draw.plan.actions[-1]).added & own
+    return sum(reached <= other for other in others)
 
 
 def require_settled(preparation: Preparation) -> None:
