@@ -47,7 +47,7 @@ def _draw(axes: Axes, curves: pd.DataFrame, measure: str) -> None:
     for strategy, share in PAPER.items():
         axes.plot(share, HEADLINE, **_paper_mark(strategy))
     percent_axis(axes)
-    axes.set_xticks([0.1, 0.2, 0.5, 1.0])
+    axes.set_xticks([0.2, 0.5, 1.0])
     axes.set_ylim(-0.03, 1.05)
     axes.set_yticks([0.0, 0.5, HEADLINE, 1.0])
 
