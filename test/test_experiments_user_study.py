@@ -69,7 +69,7 @@ def run(tmp_path_factory):
 # Scenarios
 
 
-@pytest.mark.parametrize('seed', range(20))
+@pytest.mark.parametrize('seed', range(8))
 def test_every_scenario_is_as_the_paper_describes_it(floor, seed):
     drawn = scenarios(floor, 12, seed)
 
@@ -180,10 +180,11 @@ def test_every_other_observer_believes_something_else(planned):
     item = max(planned, key=lambda item: len(item.scenario.goals))
     everywhere = range(len(item.scenario.goals))
     firsts = [[s] for s in dict.fromkeys(item.model.sentences)]
-    same = [theory('same', item).belief(heard, everywhere) for heard in firsts]
+    thinks = {kind: theory(kind, item) for kind in KINDS}
+    same = [thinks['same'].belief(heard, everywhere) for heard in firsts]
 
     for kind in KINDS:
-        beliefs = [theory(kind, item).belief(heard, everywhere) for heard in firsts]
+        beliefs = [thinks[kind].belief(heard, everywhere) for heard in firsts]
         for belief in beliefs:
             assert belief.sum() == pytest.approx(1.0)
         alike = np.allclose(beliefs, same)
