@@ -137,11 +137,11 @@ def test_the_table_of_domains_has_both_readings_of_plan_length(results):
     domains = pd.read_csv(results / 'pucrs_domains.csv').set_index('domain')
 
     halls, rooms = domains.loc['halls'], domains.loc['rooms']
-    assert halls['|P|'] == 4 and halls['|A|'] == 2 and halls['|I|'] == 11
-    assert halls['|G|'] == 5 and rooms['|G|'] == 5.5
-    assert halls['|π| optimal'] == 3  # go, go, take
-    assert halls['|π| observed'] == 3 and halls['with observations'] == 2
-    assert rooms['with observations'] == 0
+    assert halls['predicates'] == 4 and halls['actions'] == 2 and halls['initial facts'] == 11
+    assert halls['goals'] == 5 and rooms['goals'] == 5.5
+    assert halls['optimal plan'] == 3  # go, go, take
+    assert halls['recorded plan'] == 3 and halls['with recorded plan'] == 2
+    assert rooms['with recorded plan'] == 0
     assert 'Not every instance of rooms' in (results / 'report.md').read_text()
 
 

@@ -106,20 +106,20 @@ def domain_measures(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
         lines.append(
             {
                 'domain': domain,
-                '|P| paper': paper[0],
-                '|P|': mean['predicates'],
-                '|A| paper': paper[1],
-                '|A|': mean['actions'],
-                '|I| paper': paper[2],
-                '|I|': mean['initial'],
-                '|G| paper': paper[3],
-                '|G|': mean['goals'],
-                '|π| paper': paper[4],
-                '|π| observed': mean['observed'],
-                '|π| optimal': mean['optimal'],
-                '|π_R|': mean['robot_plan'],
+                'predicates (paper)': paper[0],
+                'predicates': mean['predicates'],
+                'actions (paper)': paper[1],
+                'actions': mean['actions'],
+                'initial facts (paper)': paper[2],
+                'initial facts': mean['initial'],
+                'goals (paper)': paper[3],
+                'goals': mean['goals'],
+                'plan length (paper)': paper[4],
+                'recorded plan': mean['observed'],
+                'optimal plan': mean['optimal'],
+                'plan of the robot': mean['robot_plan'],
                 'instances': len(group),
-                'with observations': int(group['observed'].notna().sum()),
+                'with recorded plan': int(group['observed'].notna().sum()),
             }
         )
     return pd.DataFrame(lines)

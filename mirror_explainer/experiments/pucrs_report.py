@@ -82,7 +82,7 @@ def _means_table(means: pd.DataFrame) -> str:
 
 
 def _domains(domains: pd.DataFrame) -> str:
-    missing = domains.loc[domains['with observations'] < domains['instances'], 'domain']
+    missing = domains.loc[domains['with recorded plan'] < domains['instances'], 'domain']
     where = (
         f' Not every instance of {", ".join(missing)} comes with its full observations: the mean '
         'is over those that do.'
@@ -92,12 +92,11 @@ def _domains(domains: pd.DataFrame) -> str:
     return (
         '## The domains\n\n'
         + _markdown(domains)
-        + '\n\n|P| predicates, |A| actions, |I| facts that hold initially, |G| goals of the pool; '
-        'means over the instances. '
-        'The paper calls its last column the length of optimal plans. Here are both readings: '
-        '"observed" is the mean length of the recorded observations (obs.dat), "optimal" that of '
-        "an optimal plan for the same, true goal; |π_R| is the plan of the robot's drawn goal."
-        + where
+        + '\n\nMeans over the instances. Initial facts are those that hold, goals those of the '
+        'pool. The paper calls its last column the length of optimal plans. Here are both '
+        'readings: "recorded plan" is the mean length of the recorded observations (obs.dat), '
+        '"optimal plan" that of an optimal plan for the same, true goal; "plan of the robot" is '
+        'for the goal drawn.' + where
     )
 
 
