@@ -293,7 +293,16 @@ def _input_error(error: Exception, text: str, source: str, hint: str) -> InputEr
         return InputError(source, f'no PDDL that can be read: {found} {near}{hint}', error.lineno)
     if isinstance(error, RecursionError):
         return InputError(source, 'the text is nested too deeply')
-    message = str(error).strip() or f'the reader gave up ({type(error).__name__})'
+    if isinstance(error, (AssertionError, AttributeError, IndexError, TypeError)) and not (
+        isinstance(error, UPException)
+    ):
+        # Python's words about the reader's inside; only its assertions may say something.
+        reason = (
+            'one of its expressions is malformed: are all its parts there, and its names known?'
+        )
+        detail = f' ({error})' if isinstance(error, AssertionError) and str(error) else ''
+        return InputError(source, reason + detail + hint)
+    message = str(error).strip() or type(error).__name__
     said = re.search(r'line:? (\d+)', message)
     message = re.split(
         r'[,.\s]*(?:found at|error from|error in expression from|from|\bline:)(?= line| ?\d)',

@@ -72,8 +72,12 @@ def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> flo
     plan = SequentialPlan([_action_instance(task, step, source) for step in steps])
     try:
         result = SequentialPlanValidator().validate(task.model, plan)
-    except UPException as error:
-        raise InputError(source, f'the plan cannot be checked: {error}') from error
+    except (UPException, NotImplementedError) as error:
+        raise InputError(
+            source,
+            'the plan cannot be checked: the problem may use more of PDDL than actions without '
+            f'duration, or leave numbers without a first value ({error})',
+        ) from error
     if result.status is not ValidationResultStatus.VALID:
         raise _failure(task, steps, result, source)
     if not result.metric_evaluations:

@@ -224,6 +224,13 @@ def test_what_was_said_is_taken_as_known_and_not_said_again(operator: Preparatio
     assert {goal['prior'] > 0 for goal in told['goals'] if 'bottom' not in goal['name']} == {False}
 
 
+def test_the_threshold_is_for_what_is_left_after_what_was_said(operator: Preparation) -> None:
+    told = explain(operator, threshold=2.0, n=None, said=[EXIT])
+
+    # H after the exit and the cube is 3.40 − 1.88 = 1.52.
+    assert told.sentences == (CUBE,)
+
+
 def test_asking_again_and_again_tells_every_sentence_once(operator: Preparation) -> None:
     heard: list[str] = []
     answers: list[Explanation] = []

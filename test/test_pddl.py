@@ -129,6 +129,27 @@ PROBLEM_FAULTS = {
         "problem, line 7: The expression 'lit(s1)' does not fit its declaration",
     ),
     'wrong number of arguments': (PROBLEM.replace('(lit l1)', '(lit)'), 'problem'),
+    'a condition with a part missing': (
+        PROBLEM.replace('(lit l1)', '(imply (power))'),
+        'problem: one of its expressions is malformed: are all its parts there',
+    ),
+    'a quantifier without variables': (
+        PROBLEM.replace('(lit l1)', '(exists l1 (lit l1))'),
+        'problem: one of its expressions is malformed',
+    ),
+    'a quantifier without condition': (
+        PROBLEM.replace('(lit l1)', '(exists (?x - lamp))'),
+        'problem: one of its expressions is malformed',
+    ),
+    'a variable out of the blue': (
+        PROBLEM.replace('(lit l1)', '(lit ?x)'),
+        'problem: one of its expressions is malformed',
+    ),
+    'a constraint that is none': (
+        PROBLEM.rstrip()[:-1] + '(:constraints (and)))',
+        'problem: one of its expressions is malformed: are all its parts there, and its names '
+        'known? (trajectory constraint not in the correct form)',
+    ),
     'no goal': (PROBLEM.replace('(:goal (lit l1))', ''), 'problem'),
     'cut off': (PROBLEM[:-20], 'problem, line '),
     'an object twice': (PROBLEM.replace('l2', 'l1'), 'problem, line 4: '),

@@ -293,6 +293,17 @@ def test_a_probability_too_small_for_a_float_still_leaves_the_robot_possible() -
     assert prior.probabilities[prior.robot_belief] == 1e-6
 
 
+def test_a_robot_ruled_out_is_still_more_probable_than_what_is_rarer_than_a_millionth() -> None:
+    user_model = UserModel(candidates(('(g1)', 1), ('(g0)', 0)), {'(b)': 1e-9})
+
+    prior = belief_prior(task_with(frozenset()), user_model)
+
+    rare = frozenset({'(b)'})
+    assert prior.beliefs == (Belief(0), Belief(1), Belief(0, rare))
+    assert prior.probabilities == pytest.approx((1 - 1e-6, 1e-6, 1e-9), abs=1e-8)
+    assert prior.robot_belief == 1
+
+
 def test_the_most_probable_of_very_many_beliefs_come_at_once() -> None:
     names = [f'f{i}' for i in range(200)]
     domain = f"""(define (domain d) (:predicates (g0) {' '.join(f'({n})' for n in names)})
