@@ -54,6 +54,7 @@ class DownwardWay:
         self,
         space: BeliefSpace,
         beliefs: Sequence[Belief],
+        plans_per_belief: int,
         limits: Limits,
         record: Callable[[Belief, Attempt], None],
     ) -> Done | Unfitting:
@@ -68,7 +69,7 @@ class DownwardWay:
                 self.close()
                 self._worker = self._start()
             try:
-                return self._ask(self._worker, space, left, limits, record)
+                return self._ask(self._worker, space, left, plans_per_belief, limits, record)
             except EOFError:
                 words = self._worker.last_words()
                 _log.debug('the planning worker died: %s', words)
@@ -83,6 +84,7 @@ class DownwardWay:
         worker: Worker,
         space: BeliefSpace,
         left: dict[Belief, None],
+        plans_per_belief: int,
         limits: Limits,
         record: Callable[[Belief, Attempt], None],
     ) -> Done | Unfitting:
@@ -90,6 +92,7 @@ class DownwardWay:
             Ask(
                 space,
                 tuple(left),
+                plans_per_belief,
                 self._downward,
                 self._workers,
                 self._timeout,

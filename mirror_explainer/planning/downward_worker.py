@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from mirror_explainer.planning import translator
+from mirror_explainer.planning.alternatives import Alternatives
 from mirror_explainer.planning.beliefs import Belief
 from mirror_explainer.planning.child import Parent
 from mirror_explainer.planning.grounding import Grounding
@@ -44,7 +45,11 @@ class DownwardWorker:
         try:
             subjects, way = self._subjects(ask)
             self._parent.send([])
-            searches.run(subjects, self._parent.fileno(), self._stopped)
+            finished = searches.run(subjects, self._parent.fileno(), self._stopped)
+            if finished and ask.plans_per_belief > 1:
+                walks = [walk for walk in subjects if isinstance(walk, SupersetWalk)]
+                others = [Alternatives(walk, ask.plans_per_belief) for walk in walks]
+                searches.run(others, self._parent.fileno(), self._stopped)
         except (Exception, SystemExit) as error:  # whatever the translator may raise
             return Unfitting(f'{type(error).__name__}: {error}')
         return Done(searches.calls, searches.searching, way)

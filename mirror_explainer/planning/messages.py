@@ -60,6 +60,7 @@ class Ask:
 
     space: BeliefSpace
     beliefs: tuple[Belief, ...]
+    plans_per_belief: int
     downward: str
     workers: int
     planning_timeout: float

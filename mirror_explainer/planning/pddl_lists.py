@@ -59,9 +59,9 @@ def read_lists(
         domain=_scaled(_with_constants(domain, constants), scale),
         goals=tuple(goals),
         facts=tuple(map(tuple, facts)),
-        initial_facts=tuple(dict.fromkeys(
-            tuple(fact) for fact in init if fact and fact[0] not in ('=', 'not')
-        )),
+        initial_facts=tuple(
+            dict.fromkeys(tuple(fact) for fact in init if fact and fact[0] not in ('=', 'not'))
+        ),
         initial_numbers=tuple(_scaled([fact for fact in init if fact[:1] == ['=']], scale)),
         metric=[':metric', *metric] if metric else None,
         scale=scale,

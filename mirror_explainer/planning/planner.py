@@ -100,7 +100,11 @@ class Planner:
                 self._known_space, self._known = (space, plans_per_belief), {}
             missing = [belief for belief in dict.fromkeys(beliefs) if belief not in self._known]
             results = _Results(self._known, len(set(beliefs)), progress)
-            done = self._plan(space, missing, limits, results) if missing else _NOTHING
+            done = (
+                self._plan(space, missing, plans_per_belief, limits, results)
+                if missing
+                else _NOTHING
+            )
             if missing and results.crashes == len(missing):
                 raise PlanningError(
                     f'The planning engine "{self._engine}" failed on every belief; on the last '
@@ -111,10 +115,15 @@ class Planner:
         return PlanningReport(found, done.calls, done.way, done.searching)
 
     def _plan(
-        self, space: BeliefSpace, beliefs: Sequence[Belief], limits: Limits, results: '_Results'
+        self,
+        space: BeliefSpace,
+        beliefs: Sequence[Belief],
+        plans_per_belief: int,
+        limits: Limits,
+        results: '_Results',
     ) -> Done:
         if self._fast:
-            answer = self._fast.plan(space, beliefs, limits, results.record)
+            answer = self._fast.plan(space, beliefs, plans_per_belief, limits, results.record)
             if isinstance(answer, Done):
                 return answer
             _log.debug('not the fast way: %s', answer.reason)
@@ -160,6 +169,7 @@ class _Results:
     def record(self, belief: Belief, attempt: Attempt) -> None:
         """Take in one result. What more time may better is not kept."""
         lasting = attempt.lasting and attempt.result.status is not Status.UNKNOWN
+        self._unknown.pop(belief, None)
         kept = self._known if lasting else self._unknown
         kept[belief] = attempt.result
         self.crashes += attempt.crashed

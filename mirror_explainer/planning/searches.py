@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
+from mirror_explainer.planning.beliefs import Belief, Status
 from mirror_explainer.planning.downward import OPTIMAL_AXIOMS, QUICK, Outcome, Search
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
 from mirror_explainer.planning.subject import Finding, Subjects
@@ -59,8 +59,11 @@ class Searches:
         self.calls = 0
         self.searching = 0.0
 
-    def run(self, all_subjects: Sequence[Subjects], other: int, heard: Callable[[], bool]) -> None:
-        """Plan for all subjects, until the deadline, or `heard` once `other` is readable."""
+    def run(self, all_subjects: Sequence[Subjects], other: int, heard: Callable[[], bool]) -> bool:
+        """Plan for all subjects, until the deadline, or `heard` once `other` is readable.
+
+        Returns whether neither came before the end.
+        """
         with selectors.DefaultSelector() as selector:
             selector.register(other, selectors.EVENT_READ)
             try:
@@ -72,12 +75,13 @@ class Searches:
                     if any(subjects.ready for subjects in all_subjects):
                         continue
                     if not self._running:
-                        return
+                        return True
                     if self._wait(selector, other) and heard():
-                        return
+                        return False
             finally:
                 for search in self._running:
                     search.kill()
+        return False
 
     def _begin(self, job: _Job) -> None:
         """Settle a subject if that takes no search, and queue one otherwise."""
@@ -184,18 +188,15 @@ class Searches:
 
     def _settle(self, job: _Job, finding: Finding) -> None:
         job.subjects.settle(job.subject, finding)
-        if finding.plan is None:
-            result = BeliefPlans(Status.UNSOLVABLE)
-        else:
-            cost = job.subjects.cost(job.subject, finding.plan)
-            reason = '' if finding.optimal else f'a plan that stands in: {job.reason}'
-            plan = Plan(finding.plan, cost, finding.optimal)
-            result = BeliefPlans(Status.SOLVED, (plan,), reason)
-        self._report(job.subject.members, Attempt(result, lasting=job.reason != _NEAR))
+        reason = '' if finding.optimal else f'a plan that stands in: {job.reason}'
+        result = job.subjects.result(job.subject, finding, reason)
+        if result is not None:
+            self._report(job.subject.members, Attempt(result, lasting=job.reason != _NEAR))
 
     def _give_up(self, job: _Job, attempt: Attempt) -> None:
         job.subjects.settle(job.subject, None)
-        self._report(job.subject.members, attempt)
+        if job.subjects.required:
+            self._report(job.subject.members, attempt)
 
     def _too_long(self) -> str:
         return f'no optimal plan within {self._ask.planning_timeout:g} s'

@@ -1,11 +1,11 @@
 """What searches are run for: tasks, whether grounded all at once or one by one."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from mirror_explainer.planning.beliefs import Belief
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
 
 
 @dataclass(frozen=True)
@@ -14,6 +14,13 @@ class Finding:
 
     plan: tuple[str, ...] | None
     optimal: bool = True
+
+    def result(self, cost: Callable[[tuple[str, ...]], float], reason: str) -> BeliefPlans:
+        """Return the finding as a belief's result; `reason` says why a plan is not optimal."""
+        if self.plan is None:
+            return BeliefPlans(Status.UNSOLVABLE)
+        plan = Plan(self.plan, cost(self.plan), self.optimal)
+        return BeliefPlans(Status.SOLVED, (plan,), reason)
 
 
 class Subject(Protocol):
@@ -27,9 +34,13 @@ class Subject(Protocol):
 
 
 class Subjects(Protocol):
-    """The tasks to plan for. Those in `ready` may be planned for now, in this order."""
+    """The tasks to plan for. Those in `ready` may be planned for now, in this order.
+
+    `required` says that beliefs depend on these for any result at all.
+    """
 
     ready: deque[Any]
+    required: bool
 
     def known(self, subject: Any) -> Finding | None:
         """Return what is known of a ready subject without a search, None if nothing."""
@@ -43,8 +54,8 @@ class Subjects(Protocol):
     def checked(self, subject: Any, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the plan in a search's actions, None if it does not reach the goal."""
 
-    def cost(self, subject: Any, plan: Sequence[str]) -> float:
-        """Return a plan's cost, in the problem's metric."""
+    def result(self, subject: Any, finding: Finding, reason: str) -> BeliefPlans | None:
+        """Return the beliefs' result after `settle`, None if there is none yet."""
 
     def settle(self, subject: Any, finding: Finding | None) -> None:
         """Take in all that will be known of a subject, None if that is nothing."""

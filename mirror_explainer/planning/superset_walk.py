@@ -9,7 +9,7 @@ from collections import defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from mirror_explainer.planning.beliefs import Belief
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans
 from mirror_explainer.planning.downward import OPTIMAL
 from mirror_explainer.planning.ground_task import Fact, State
 from mirror_explainer.planning.grounding import Grounding, atom_name
@@ -20,8 +20,8 @@ from mirror_explainer.planning.subject import Finding
 class Node:
     """All asked beliefs that are one and the same task, and what is known of it.
 
-    `facts` are the uncertain facts that hold and matter. `cost` is that of an
-    optimal plan, None while none is known. `hopeless` says that a search ran
+    `facts` are the uncertain facts that hold and matter. `plan` is an optimal
+    plan and `cost` what it costs, None while none is known. `hopeless` says that a search ran
     out of time here, or where more facts hold.
     """
 
@@ -33,6 +33,7 @@ class Node:
     children: list['Node'] = field(default_factory=list)
     open_parents: int = 0
     unsolvable: bool = False
+    plan: tuple[str, ...] | None = None
     cost: int | None = None
     hopeless: bool = False
 
@@ -44,6 +45,8 @@ class SupersetWalk:
     `ready` has the nodes whose parents, which have more facts, are settled.
     """
 
+    required = True
+
     def __init__(
         self,
         grounding: Grounding,
@@ -52,19 +55,29 @@ class SupersetWalk:
         scale: int,
     ) -> None:
         self._scale = scale
-        self._task = grounding.task
+        self.task = grounding.task
         self._goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
         self._plans: dict[int, dict[tuple[str, ...], int]] = defaultdict(dict)
         self._reached: dict[State, set[Fact]] = {}
-        nodes = _nodes(grounding, initial - frozenset(grounding.uncertain), beliefs)
-        for group in self._comparable(nodes):
+        self._nodes = _nodes(grounding, initial - frozenset(grounding.uncertain), beliefs)
+        for group in self._comparable(self._nodes):
             for node in group.values():
                 node.parents = list(self._parents(node, group))
                 node.open_parents = len(node.parents)
                 for parent in node.parents:
                     parent.children.append(node)
-        self.ready = deque(node for node in nodes if not node.parents)
+        self.ready = deque(node for node in self._nodes if not node.parents)
+
+    def optimal(self) -> Iterator[tuple[Node, tuple[str, ...]]]:
+        """Yield the nodes with an optimal plan, those with more facts first."""
+        for node in self._nodes:
+            if node.plan is not None:
+                yield node, node.plan
+
+    def goal(self, node: Node) -> tuple[Fact, ...]:
+        """Return the facts of a node's goal."""
+        return self._goals[node.goal] or ()
 
     def _comparable(self, nodes: Sequence[Node]) -> Iterator[dict[frozenset[str], Node]]:
         """Yield the nodes that differ in helpful facts only, by their facts."""
@@ -104,7 +117,7 @@ class SupersetWalk:
 
     def search_input(self, node: Node) -> tuple[bytes, tuple[str, ...]]:
         """Return the input of the search, and the configurations that are optimal for it."""
-        return self._task.text(node.state, self._goals[node.goal] or ()), OPTIMAL
+        return self.task.text(node.state, self.goal(node)), OPTIMAL
 
     def checked(self, node: Node, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the actions if they reach the goal, None otherwise."""
@@ -112,16 +125,21 @@ class SupersetWalk:
 
     def cost(self, node: Node, plan: Sequence[str]) -> float:
         """Return a plan's cost, in the problem's metric."""
-        return self._task.cost(plan) / self._scale
+        return self.task.cost(plan) / self._scale
+
+    def result(self, node: Node, finding: Finding, reason: str) -> BeliefPlans:
+        """Return what the finding says of the node's beliefs."""
+        return finding.result(lambda plan: self.cost(node, plan), reason)
 
     def settle(self, node: Node, finding: Finding | None) -> None:
         """Take in all that will be known of a node; nodes below it may become ready."""
         if finding is not None and finding.plan is None:
             node.unsolvable = True
         elif finding is not None and finding.plan is not None:
-            cost = self._task.cost(finding.plan)
+            cost = self.task.cost(finding.plan)
             self._plans[node.goal][finding.plan] = cost
-            node.cost = cost if finding.optimal else None
+            if finding.optimal:
+                node.plan, node.cost = finding.plan, cost
         for child in node.children:
             child.open_parents -= 1
             if not child.open_parents:
@@ -135,11 +153,11 @@ class SupersetWalk:
 
     def _works(self, node: Node, plan: Sequence[str]) -> bool:
         goal = self._goals[node.goal]
-        return goal is not None and self._task.leads(plan, node.state, goal)
+        return goal is not None and self.task.leads(plan, node.state, goal)
 
     def _reachable(self, state: State) -> set[Fact]:
         if state not in self._reached:
-            self._reached[state] = self._task.relaxed_reachable(state)
+            self._reached[state] = self.task.relaxed_reachable(state)
         return self._reached[state]
 
 

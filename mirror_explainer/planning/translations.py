@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.planning import translator
-from mirror_explainer.planning.beliefs import Belief, BeliefSpace
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace
 from mirror_explainer.planning.downward import OPTIMAL, OPTIMAL_AXIOMS, OPTIMAL_CONDITIONAL
 from mirror_explainer.planning.pddl_lists import Lists
 from mirror_explainer.planning.subject import Finding
@@ -22,6 +22,8 @@ class Single:
 
 class Translations:
     """The beliefs to translate and plan for, one after another."""
+
+    required = True
 
     def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
         self._lists = lists
@@ -49,6 +51,10 @@ class Translations:
     def cost(self, single: Single, plan: Sequence[str]) -> float:
         """Return a plan's cost, in the problem's metric."""
         return sum(single.costs[action] for action in plan) / self._lists.scale
+
+    def result(self, single: Single, finding: Finding, reason: str) -> BeliefPlans:
+        """Return what the finding says of the belief."""
+        return finding.result(lambda plan: self.cost(single, plan), reason)
 
     def settle(self, single: Single, finding: Finding | None) -> None:
         """Take note of nothing: no belief depends on another."""

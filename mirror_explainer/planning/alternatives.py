@@ -1,0 +1,148 @@
+"""The other optimal plans of each belief: which of them a search returns is an accident.
+
+For a belief whose optimal cost is known, searches find the operators of all its
+optimal plans (`flagged_task.py`), and from these the plans are put together
+(`optimal_plans.py`). Fewer facts leave no operator that more facts did not have.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
+from mirror_explainer.planning.downward import OPTIMAL
+from mirror_explainer.planning.flagged_task import DOWN, UP, flagged, with_positive_costs
+from mirror_explainer.planning.optimal_plans import OptimalPlans, optimal_plans
+from mirror_explainer.planning.subject import Finding
+from mirror_explainer.planning.superset_walk import Node, SupersetWalk
+
+
+@dataclass(eq=False)
+class Alternative:
+    """A solved node of the walk, and what is known of its optimal plans.
+
+    `plan` is one of them, `cost` what it costs with no free actions. `seen` are
+    the names of their operators as far as known, all of them when `complete`.
+    """
+
+    node: Node
+    plan: tuple[str, ...]
+    cost: int | None = None
+    seen: set[str] = field(default_factory=set)
+    complete: bool = False
+    result: OptimalPlans | None = None
+    open_parents: int = 0
+    children: list['Alternative'] = field(default_factory=list)
+    hopeless: bool = False
+
+    @property
+    def members(self) -> list[Belief]:
+        """The beliefs that are this task."""
+        return self.node.members
+
+
+class Alternatives:
+    """Finds up to `most` optimal plans, up to order, for each node that the walk has solved."""
+
+    required = False
+
+    def __init__(self, walk: SupersetWalk, most: int) -> None:
+        self._walk = walk
+        self._most = most
+        self.ready: deque[Alternative] = deque()
+        task = with_positive_costs(walk.task)
+        if task is None:
+            return
+        self._task = task
+        self._cost_of = {operator.name: operator.cost for operator in task.operators}
+        self._free_actions = task is not walk.task
+        found = {node: Alternative(node, plan) for node, plan in walk.optimal() if plan}
+        self._parents = {
+            alternative: [found[p] for p in node.parents if p in found and p.cost == node.cost]
+            for node, alternative in found.items()
+        }
+        for alternative, parents in self._parents.items():
+            alternative.open_parents = len(parents)
+            for parent in parents:
+                parent.children.append(alternative)
+            if not self._free_actions:
+                self._take_in(alternative, alternative.plan)
+        self.ready.extend(a for a in found.values() if not a.open_parents)
+
+    def known(self, subject: Alternative) -> Finding | None:
+        """Return a plan if no search is needed, since more facts had the same optimal cost."""
+        if self._free_actions:
+            return None
+        parents = [parent for parent in self._parents[subject] if parent.complete]
+        if not parents:
+            return None
+        subject.seen = set.intersection(*(parent.seen for parent in parents))
+        return Finding(None)
+
+    def stand_in(self, subject: Alternative) -> tuple[str, ...] | None:
+        """Return the known plan: a search that takes too long leaves it at what was found."""
+        return subject.plan
+
+    def search_input(self, subject: Alternative) -> tuple[bytes, tuple[str, ...]]:
+        """Return the input of a search for an optimal plan with an operator not seen yet."""
+        state, goal = subject.node.state, self._walk.goal(subject.node)
+        variables = len(state)
+        task = flagged(self._task, variables, subject.seen)
+        return task.text((*state, DOWN), (*goal, (variables, UP))), OPTIMAL
+
+    def checked(self, subject: Alternative, actions: Sequence[str]) -> tuple[str, ...] | None:
+        """Return the actions if they reach the goal, None otherwise."""
+        return self._walk.checked(subject.node, actions)
+
+    def settle(self, subject: Alternative, finding: Finding | None) -> None:
+        """Go on to the next search, or put the plans together."""
+        if (
+            finding
+            and finding.optimal
+            and finding.plan
+            and self._is_optimal(subject, finding.plan)
+        ):
+            self._take_in(subject, finding.plan)
+            self.ready.append(subject)
+            return
+        subject.complete = finding is not None and finding.optimal
+        if subject.cost is not None:
+            subject.result = self._inherited(subject) or optimal_plans(
+                [o for o in self._task.operators if o.name in subject.seen],
+                subject.node.state,
+                self._walk.goal(subject.node),
+                subject.plan,
+                self._most,
+            )
+        for child in subject.children:
+            child.open_parents -= 1
+            if not child.open_parents:
+                self.ready.append(child)
+
+    def result(self, subject: Alternative, finding: Finding, reason: str) -> BeliefPlans | None:
+        """Return all plans once they are put together, None before."""
+        if subject.result is None:
+            return None
+        plans = subject.result.plans
+        cost = self._walk.cost(subject.node, subject.plan)
+        return BeliefPlans(Status.SOLVED, tuple(Plan(actions, cost) for actions in plans), reason)
+
+    def _inherited(self, subject: Alternative) -> OptimalPlans | None:
+        """Return all plans of a node with more facts if every one works here, None otherwise."""
+        for parent in self._parents[subject]:
+            if parent.complete and parent.result and parent.result.all:
+                plans = parent.result.plans
+                if all(self._walk.checked(subject.node, plan) for plan in plans):
+                    return parent.result
+        return None
+
+    def _is_optimal(self, subject: Alternative, plan: Sequence[str]) -> bool:
+        return subject.cost is None or self._cost(plan) == subject.cost
+
+    def _take_in(self, subject: Alternative, plan: tuple[str, ...]) -> None:
+        subject.plan = plan
+        subject.cost = self._cost(plan)
+        subject.seen.update(plan)
+
+    def _cost(self, plan: Sequence[str]) -> int:
+        return sum(self._cost_of[name] for name in plan)

@@ -1,0 +1,202 @@
+"""All optimal plans up to order, once it is known which operators occur in any.
+
+Two plans with the same actions in another order are one observation to the
+listener, so a plan counts here by how often it has each action. The states on
+optimal paths are few where the operators are few, however many the orders are;
+and operators that have nothing to do with one another are looked at apart.
+"""
+
+import heapq
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from random import Random
+
+from mirror_explainer.planning.ground_task import Fact, Operator, State
+
+Actions = tuple[str, ...]
+
+# A plan as one number: so many bits for each operator's count.
+_BITS = 10
+
+# A task with more states within the optimal cost than this is not enumerated.
+_MOST_STATES = 50_000
+
+# While plans are put together, so many times more are kept than will be returned.
+_SPARE = 20
+
+
+@dataclass(frozen=True)
+class OptimalPlans:
+    """Optimal plans, each in an order that can be carried out.
+
+    `all` says that there are no others but reorderings of these.
+    """
+
+    plans: tuple[Actions, ...]
+    all: bool
+
+
+def optimal_plans(
+    operators: Sequence[Operator],
+    state: State,
+    goal: Sequence[Fact],
+    known: Sequence[str],
+    most: int,
+) -> OptimalPlans | None:
+    """Return up to `most` optimal plans that use these operators only; costs are positive.
+
+    `known` is one of them. If there are more, a sample is drawn. None if there
+    are too many states to look at.
+    """
+    parts: list[tuple[list[Actions], bool]] = []
+    for part in _independent_parts(operators):
+        names = {operator.name for operator in part}
+        own_goal = [fact for fact in goal if any(_concerns(o, fact[0]) for o in part)]
+        counted = {operator.name: operator.cost for operator in part}
+        cost = sum(counted[name] for name in known if name in names)
+        plans = _plans_of_part(part, state, own_goal, cost, most)
+        if plans is None:
+            return None
+        parts.append(plans)
+    total = math.prod(len(plans) for plans, _ in parts)
+    chosen = range(total) if total <= most else Random(0).sample(range(total), most)
+    return OptimalPlans(
+        tuple(_combination([plans for plans, _ in parts], index) for index in chosen),
+        total <= most and all(complete for _, complete in parts),
+    )
+
+
+def _combination(parts: Sequence[Sequence[Actions]], index: int) -> Actions:
+    """Return the index-th way to take one plan of each part, one after another."""
+    actions: list[str] = []
+    for plans in parts:
+        index, place = divmod(index, len(plans))
+        actions += plans[place]
+    return tuple(actions)
+
+
+def _concerns(operator: Operator, variable: int) -> bool:
+    return any(variable == other for other, _ in operator.effect)
+
+
+def _independent_parts(operators: Sequence[Operator]) -> list[list[Operator]]:
+    """Split the operators so that no part changes a variable that another reads or changes."""
+    parts: list[tuple[set[int], set[int], list[Operator]]] = []
+    for operator in operators:
+        changes = {variable for variable, _ in operator.effect}
+        reads = {variable for variable, _ in operator.condition}
+        joined = [operator]
+        apart = []
+        for part in parts:
+            if changes & (part[0] | part[1]) or reads & part[0]:
+                changes |= part[0]
+                reads |= part[1]
+                joined += part[2]
+            else:
+                apart.append(part)
+        parts = [*apart, (changes, reads, joined)]
+    return [part for _, _, part in parts]
+
+
+# By the cost spent: the states reached at no less, with their (operator, next state) pairs.
+_Layers = dict[int, dict[State, list[tuple[int, State]]]]
+
+
+def _plans_of_part(
+    operators: Sequence[Operator], state: State, goal: Sequence[Fact], cost: int, most: int
+) -> tuple[list[Actions], bool] | None:
+    """Return plans of exactly this cost, and whether these are all; None if that is too much."""
+    layers = _layers(operators, state, cost)
+    if layers is None:
+        return None
+    suffixes, complete = _suffixes(operators, layers, goal, cost, _SPARE * most)
+    found = sorted(suffixes.get(state, ()))
+    chosen = found if len(found) <= most else Random(0).sample(found, most)
+    plans = [_ordered(operators, layers, suffixes, state, plan) for plan in chosen]
+    return plans, complete and len(found) <= most
+
+
+def _layers(operators: Sequence[Operator], state: State, cost: int) -> _Layers | None:
+    """Explore what can be reached within the cost, each state at the least it takes."""
+    least = {state: 0}
+    waiting = [(0, state)]
+    layers: _Layers = defaultdict(dict)
+    while waiting:
+        spent, here = heapq.heappop(waiting)
+        if here in layers[spent] or least[here] < spent:
+            continue
+        steps = layers[spent][here] = []
+        for index, operator in enumerate(operators):
+            then = spent + operator.cost
+            if then > cost or any(here[v] != value for v, value in operator.condition):
+                continue
+            values = list(here)
+            for variable, value in operator.effect:
+                values[variable] = value
+            there = tuple(values)
+            if then <= least.get(there, then):
+                steps.append((index, there))
+            if then < least.get(there, then + 1):
+                least[there] = then
+                heapq.heappush(waiting, (then, there))
+        if len(least) > _MOST_STATES:
+            return None
+    return layers
+
+
+def _suffixes(
+    operators: Sequence[Operator], layers: _Layers, goal: Sequence[Fact], cost: int, most: int
+) -> tuple[dict[State, set[int]], bool]:
+    """Return what may follow each state on an optimal path, and whether that is everything.
+
+    Where more than `most` plans follow a state, a sample of them stays.
+    """
+    suffixes: dict[State, set[int]] = {
+        here: {0}
+        for here in layers.get(cost, ())
+        if all(here[variable] == value for variable, value in goal)
+    }
+    complete = True
+    for spent in sorted(layers, reverse=True):
+        for here, steps in layers[spent].items():
+            following = suffixes.get(here, set())
+            for index, there in steps:
+                # A state that another path reaches at less cost is on no optimal path here.
+                if there in layers.get(spent + operators[index].cost, ()):
+                    one = 1 << _BITS * index
+                    following |= {one + suffix for suffix in suffixes.get(there, ())}
+            if len(following) > most:
+                following = set(Random(0).sample(sorted(following), most))
+                complete = False
+            if following:
+                suffixes[here] = following
+    return suffixes, complete
+
+
+def _ordered(
+    operators: Sequence[Operator],
+    layers: _Layers,
+    suffixes: dict[State, set[int]],
+    state: State,
+    plan: int,
+) -> Actions:
+    """Return a plan's actions in an order that can be carried out."""
+    names = []
+    spent, here = 0, state
+    while plan:
+        index, here, plan = next(_first_steps(layers[spent][here], suffixes, plan))
+        names.append(operators[index].name)
+        spent += operators[index].cost
+    return tuple(names)
+
+
+def _first_steps(
+    steps: Sequence[tuple[int, State]], suffixes: dict[State, set[int]], plan: int
+) -> Iterator[tuple[int, State, int]]:
+    """Yield the steps with which a plan can begin, and what then remains of it."""
+    for index, there in steps:
+        rest = plan - (1 << _BITS * index)
+        if rest >= 0 and rest in suffixes.get(there, ()):
+            yield index, there, rest
