@@ -348,7 +348,7 @@ def mutated(text: str, mutations: list[tuple[int, int, str]]) -> str:
 
 
 @settings(
-    max_examples=150,
+    max_examples=100,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

@@ -382,7 +382,7 @@ ATOM = re.compile(r'\([a-z-]+( [a-z_]+)*\)')
 
 
 @settings(
-    max_examples=400,
+    max_examples=250,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
