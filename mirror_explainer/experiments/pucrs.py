@@ -37,7 +37,17 @@ PAPER_DOMAINS = (
     'miconic',
 )
 ENVIRONMENT = 'MIRROR_EXPLAINER_PUCRS'
-_VERSION = 4  # of the protocol's code: results of another one are not resumed
+_VERSION = 5  # of the protocol's code: results of another one are not resumed
+
+
+_REPORTED = (
+    'instances',
+    'seed',
+    'plans_per_belief',
+    'planning_timeout',
+    'deadline',
+    'selection_budget',
+)
 
 
 @dataclass(frozen=True)
@@ -84,6 +94,7 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         planning_timeout=options.planning_timeout,
         deadline=options.deadline,
         selection_budget=options.selection_budget,
+        plans_per_belief=options.plans_per_belief,
     )
     available = find_instances(options.dataset)
     domains = options.domains or [name for name in PAPER_DOMAINS if name in available]
@@ -196,10 +207,7 @@ def _command(options: argparse.Namespace) -> str:
     """Return the command that regenerates the report."""
     words = ['python3 -m mirror_explainer.experiments.pucrs --dataset DIR']
     words += [f'--domains {" ".join(options.domains)}'] if options.domains else []
-    words += [
-        f'--{name.replace("_", "-")} {getattr(options, name)}'
-        for name in ('instances', 'seed', 'planning_timeout', 'deadline', 'selection_budget')
-    ]
+    words += [f'--{name.replace("_", "-")} {getattr(options, name)}' for name in _REPORTED]
     words += [f'--planner {options.planner}'] if options.planner != Settings.planner else []
     return ' '.join(words)
 
@@ -231,6 +239,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         '--output', type=Path, default=Path('pucrs_results'), metavar='DIR',
         help='default: pucrs_results; an interrupted run resumes from what is there',
+    )  # fmt: skip
+    parser.add_argument(
+        '--plans-per-belief', type=_positive, default=1, metavar='K',
+        help='at most so many optimal plans, different in more than their order (default 1)',
     )  # fmt: skip
     parser.add_argument('--planner', default=Settings.planner, metavar='ENGINE')
     for name, meaning in (

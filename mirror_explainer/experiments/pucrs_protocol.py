@@ -38,6 +38,7 @@ class Settings:
     planning_timeout: float = 30.0
     deadline: float = 60.0
     selection_budget: float = 30.0
+    plans_per_belief: int = 1
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,14 @@ def run_instance(location: Location, problem: RecognitionProblem, settings: Sett
             goals=tuple(CandidateGoal(goal, goal, 1 / GOALS) for goal in draw.goals),
             uncertain_facts=dict.fromkeys(facts, FACT_PROBABILITY),
         )
-        preparation = prepare(task, draw.plan, user_model, planner, deadline=settings.deadline)
+        preparation = prepare(
+            task,
+            draw.plan,
+            user_model,
+            planner,
+            plans_per_belief=settings.plans_per_belief,
+            deadline=settings.deadline,
+        )
     require_settled(preparation)
     true_plan = draw.true_plan
     return Result(
