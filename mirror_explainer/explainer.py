@@ -103,6 +103,7 @@ class Explanation:
             'covered_mass': model.covered_mass,
             'unsolvable_mass': model.unsolvable_mass,
             'unknown_mass': model.unknown_mass,
+            'stand_in_plans': model.stand_in_plans,
             'goals': [
                 {'name': goal.name, 'prior': float(prior), 'posterior': float(posterior)}
                 for goal, prior, posterior in zip(model.goals, before, after, strict=True)
@@ -126,6 +127,7 @@ class Explanation:
                     'true_facts': list(hypothesis.true_facts),
                     'plan': list(hypothesis.plan.actions),
                     'cost': hypothesis.plan.cost,
+                    'optimal_plan': hypothesis.plan.optimal,
                     'probability': hypothesis.probability,
                     'robot': index == model.robot,
                 }

@@ -57,12 +57,7 @@ class ExplainerNode(Node):
         self._verbalization = self.create_publisher(String, '~/verbalization', LATCHED)
         self._explanation = self.create_publisher(String, '~/explanation', LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
-        planner = Planner(
-            self._value('planner'),
-            workers=self._value('workers'),
-            planning_timeout=self._value('planning_timeout'),
-        )
-        self._updates = Updates(planner, self._on_state)
+        self._updates = Updates(self._make_planner, self._on_state)
 
         in_order = MutuallyExclusiveCallbackGroup()
         at_once = ReentrantCallbackGroup()
@@ -87,6 +82,15 @@ class ExplainerNode(Node):
     def close(self) -> None:
         """Stop all work; no planner process is left."""
         self._updates.close()
+
+    def _make_planner(self) -> Planner:
+        return Planner(
+            self._value('planner'),
+            workers=self._value('workers'),
+            planning_timeout=self._value('planning_timeout'),
+            memory_limit=self._value('planner_memory_limit'),
+            downward_binary=self._value('downward_binary'),
+        )
 
     def _declare_parameters(self) -> None:
         text, number, count = _described, _in_range, _counted
@@ -113,6 +117,8 @@ class ExplainerNode(Node):
                 ('selection_budget', 0.5, number('s, to find the best sentences', 1e-3, 1e3)),
                 ('answer_timeout', 5.0, number('s, that a call waits for an update', 0, 1e6)),
                 ('workers', 2, count('planning processes at a time', 1, 256, True)),
+                ('planner_memory_limit', 1024, count('MiB, for each search', 80, 1 << 24, True)),
+                ('downward_binary', '', text("Fast Downward's search, if self-built", True)),
             ],
         )
 
@@ -241,6 +247,7 @@ class ExplainerNode(Node):
                 'covered mass': f'{model.covered_mass:.6f}',
                 'unsolvable mass': f'{model.unsolvable_mass:.6f}',
                 'unknown mass': f'{model.unknown_mass:.6f}',
+                'stand-in plans': str(model.stand_in_plans),
                 'warnings': '; '.join(model.warnings) or 'none',
             }
         incomplete = state.preparation is not None and not state.preparation.model.complete

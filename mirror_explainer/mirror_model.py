@@ -7,7 +7,7 @@ is a set of hypotheses (b, π) with what the user would hear from each.
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -63,7 +63,9 @@ class MirrorModel:
     `goals` are the candidates with P(G). `sentences` are those of π_R, one a
     plan position. `occurrences`, shape (K, P), counts how often π_k has the
     sentence of position i; `length`, shape (K,), is |π_k|. The masses are
-    shares of P(B): enumerated, proved to have no plan, and not known. `warnings`
+    shares of P(B): enumerated, proved to have no plan, and not known.
+    `stand_in_plans` counts the beliefs whose optimal plan could not be found in
+    time, and which have another one instead. `warnings`
     say where the robot lies outside the user's model, and what was left out.
     """
 
@@ -76,6 +78,7 @@ class MirrorModel:
     covered_mass: float = 1.0
     unsolvable_mass: float = 0.0
     unknown_mass: float = 0.0
+    stand_in_plans: int = 0
     warnings: tuple[str, ...] = ()
 
     @property
@@ -85,8 +88,9 @@ class MirrorModel:
 
     @property
     def complete(self) -> bool:
-        """Whether every belief of the user model was enumerated, and planned for."""
-        return self.unknown_mass == 0.0 and self.covered_mass > 1.0 - 1e-9
+        """Whether every belief of the user model was enumerated, and planned for as asked."""
+        known = self.unknown_mass == 0.0 and self.stand_in_plans == 0
+        return known and self.covered_mass > 1.0 - 1e-9
 
     @cached_property
     def prior(self) -> Array:
@@ -190,6 +194,7 @@ def mirror_model(
         covered_mass=prior.covered_mass,
         unsolvable_mass=mass[Status.UNSOLVABLE],
         unknown_mass=mass[Status.UNKNOWN],
+        stand_in_plans=len(_stand_ins(prior, results)),
         warnings=(*prior.warnings, *_planning_warnings(prior, results)),
     )
 
@@ -212,11 +217,13 @@ def _with_robot_plan(robot_plan: Plan, plans: Sequence[Plan]) -> tuple[Plan, ...
     good plans an engine returns is an accident, and must not make the robot's
     own plan look one half as likely.
     """
+    proved = any(plan.optimal and plan.cost == robot_plan.cost for plan in plans)
     robot_actions = Counter(robot_plan.actions)
     same = [plan for plan in plans if Counter(plan.actions) == robot_actions]
     as_good = [plan for plan in reversed(plans) if plan.cost == robot_plan.cost]
     replaced = [*same, *as_good][:1]
-    return (robot_plan, *(plan for plan in plans if plan not in replaced))
+    own = replace(robot_plan, optimal=proved)
+    return (own, *(plan for plan in plans if plan not in replaced))
 
 
 def _require_alternatives(prior: Prior, results: Sequence[BeliefPlans]) -> None:
@@ -228,6 +235,15 @@ def _require_alternatives(prior: Prior, results: Sequence[BeliefPlans]) -> None:
             f'no plan was found for any other belief that the user may hold '
             f'({unknown[0].reason}): give planning more time, or the user model fewer beliefs'
         )
+
+
+def _stand_ins(prior: Prior, results: Sequence[BeliefPlans]) -> list[BeliefPlans]:
+    """Return the results that hold a plan in place of an optimal one; b_R has π_R anyway."""
+    return [
+        result
+        for index, result in enumerate(results)
+        if result.status is Status.SOLVED and result.reason and index != prior.robot_belief
+    ]
 
 
 def _planning_warnings(prior: Prior, results: Sequence[BeliefPlans]) -> Iterator[str]:
@@ -245,6 +261,9 @@ def _planning_warnings(prior: Prior, results: Sequence[BeliefPlans]) -> Iterator
         more = f' and {len(unreachable) - 3} more' if len(unreachable) > 3 else ''
         named = ', '.join(unreachable[:3])
         yield f'candidate goals that cannot be reached are left out: {named}{more}'
+    stand_ins = _stand_ins(prior, results)
+    if stand_ins:
+        yield f'{len(stand_ins)} of {len(results)} beliefs have {stand_ins[0].reason}'
     unknown = [result for result in results if result.status is Status.UNKNOWN]
     if unknown:
         yield (

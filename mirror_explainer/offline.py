@@ -42,6 +42,12 @@ def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
         '--deadline', type=seconds, default=60.0, metavar='S', help='for all planning'
     )
     planning.add_argument('--workers', type=positive, default=2, help='planning processes')
+    planning.add_argument(
+        '--planner-memory-limit', type=positive, default=1024, metavar='MIB', help='of a search'
+    )
+    planning.add_argument(
+        '--downward-binary', default='', metavar='FILE', help="Fast Downward's search, self-built"
+    )
 
 
 def prepare_files(options: argparse.Namespace) -> Preparation:
@@ -57,7 +63,11 @@ def prepare_files(options: argparse.Namespace) -> Preparation:
     user_model = read_user_model(options.user_model, task)
     read = time.perf_counter() - started
     with Planner(
-        options.planner, workers=options.workers, planning_timeout=options.planning_timeout
+        options.planner,
+        workers=options.workers,
+        planning_timeout=options.planning_timeout,
+        memory_limit=options.planner_memory_limit,
+        downward_binary=options.downward_binary,
     ) as planner:
         preparation = prepare(
             task,

@@ -4,6 +4,7 @@ This is the node's engine room, without ROS: inputs go in, a state comes out,
 and whoever needs an answer waits here for the work to end.
 """
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
@@ -85,12 +86,16 @@ class State:
 class Updates:
     """Turns the newest inputs into a Preparation, in a thread of its own.
 
-    `on_state` is called from that thread whenever the phase changes. `close`
-    stops the work at once, ends the planner and frees everyone who waits.
+    `make_planner` is called once it is needed, and again if it failed; `on_state`
+    is called from the thread whenever the phase changes. `close` stops the work
+    at once, ends the planner and frees everyone who waits.
     """
 
-    def __init__(self, planner: Planner, on_state: Callable[[State], None]) -> None:
-        self._planner = planner
+    def __init__(
+        self, make_planner: Callable[[], Planner], on_state: Callable[[State], None]
+    ) -> None:
+        self._make_planner = make_planner
+        self._planner: Planner | None = None
         self._on_state = on_state
         self._changed = threading.Condition()
         self._state = State(Phase.WAITING, 'waiting for inputs')
@@ -136,10 +141,14 @@ class Updates:
             self._closed = True
             self._cancelled.set()
             self._changed.notify_all()
-        self._planner.close()
+            planner = self._planner
+        if planner:
+            planner.close()
         self._thread.join(timeout)
 
     def _run(self) -> None:
+        with contextlib.suppress(Cancelled, PlanningError):
+            self._ready_planner()  # early, so that its processes are up when they are needed
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._closed or self._pending)
@@ -197,7 +206,7 @@ class Updates:
             task,
             plan,
             user_model,
-            self._planner,
+            self._ready_planner(),
             max_beliefs=inputs.max_beliefs,
             plans_per_belief=inputs.plans_per_belief,
             deadline=inputs.deadline,
@@ -205,6 +214,18 @@ class Updates:
             progress=self._progress,
         )
         return replace(preparation, seconds=replace(preparation.seconds, read=read))
+
+    def _ready_planner(self) -> Planner:
+        """Return the planner, which is made once. Raises PlanningError if it can't be."""
+        if self._planner is None:
+            planner = self._make_planner()
+            with self._changed:
+                self._planner = planner
+                closed = self._closed
+            if closed:  # too late for `close` to see it
+                planner.close()
+                raise Cancelled
+        return self._planner
 
     def _read(self, domain: Text, problem: Text) -> Task:
         """Return the task, read again only when its texts changed."""

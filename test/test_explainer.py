@@ -292,6 +292,7 @@ TYPES = {
     'covered_mass': NUMBER,
     'unsolvable_mass': NUMBER,
     'unknown_mass': NUMBER,
+    'stand_in_plans': int,
     'goals': [{'name': str, 'prior': NUMBER, 'posterior': NUMBER}],
     'plan': [{'position': int, 'action': str, 'sentence': str, 'information_gain': NUMBER}],
     'hypotheses': [
@@ -301,6 +302,7 @@ TYPES = {
             'plan': [str],
             'cost': NUMBER,
             'probability': NUMBER,
+            'optimal_plan': bool,
             'robot': bool,
         }
     ],

@@ -77,9 +77,9 @@ class DownwardWorker:
         if self._grounded:
             known, grounding = self._grounded
             same = replace(known, initial_facts=()) == replace(lists, initial_facts=())
-            if same and isinstance(grounding, Grounding):
-                if grounding.holds_for(translator.initial_atoms(lists)):
-                    return grounding, 'grounding kept'
+            initial = translator.initial_atoms(lists)
+            if same and isinstance(grounding, Grounding) and grounding.holds_for(initial):
+                return grounding, 'grounding kept'
         grounding = translator.ground(lists)
         self._grounded = lists, grounding
         return grounding, 'grounded once'
