@@ -33,7 +33,9 @@ Booleans = NDArray[np.bool_]
 LARGEST_EXPONENT = 600.0  # exp of more would leave no room for sums
 ROUNDING = 1e-12  # relative; sums of differences are not trusted beyond this
 TANGENT_ROUNDS = 3
+ROOT_ROUNDS = 30
 MULTIPLIER_ROUNDS = 100
+CELLS_OPEN = 10_000_000  # nodes × hypotheses kept while not going deep
 CELLS_AT_ONCE = 2_500_000  # nodes × hypotheses × positions handled in one step
 
 
@@ -247,6 +249,7 @@ class Search:
         self.least_gain = least_gain
         self._expected = np.maximum(columns.log_products(start) - log_reference, -1e300)  # (K,)
         self._except = np.full_like(start, -1) if other_than is None else other_than
+        self._turn = 0
         self._ratio = np.exp(columns.log_ratio)
         self._lacking = np.isneginf(columns.log_ratio)
         self._coefficients = np.vstack([columns.cost, columns.hits])
@@ -276,7 +279,7 @@ class Search:
     def completions(self) -> Iterator[Completion]:
         """Yield sets within the present limits until there are no more, or time is up."""
         while self._open and time.monotonic() < self.deadline:
-            nodes = self._open.pop()
+            nodes = self._open.pop(self._next())
             nodes = nodes[nodes.lower <= self.limit]
             if len(nodes) > self._at_once:
                 self._open.append(nodes[self._at_once :])
@@ -294,6 +297,13 @@ class Search:
                 yield from self._within_limits(self._filled(nodes, rank))
                 following = np.minimum(self._first_copy + nodes.taken, rank.shape[1] - 1)
                 self._expand(nodes, (np.take_along_axis(rank, following, axis=1), width))
+
+    def _next(self) -> int:
+        """Go deep and, by turns while memory allows, to the lowest bound, so that it rises."""
+        self._turn += 1
+        if self._turn % 2 or sum(nodes.log_weight.size for nodes in self._open) > CELLS_OPEN:
+            return -1
+        return int(np.argmin([nodes.lower.min(initial=np.inf) for nodes in self._open]))
 
     def _within_limits(self, counts: Ints) -> Iterator[Completion]:
         """The set with the largest single gains among `counts` (B, T) within the limits."""
@@ -359,7 +369,7 @@ class Search:
         floor = np.where(hitters == 0, unhit, 0.0).sum(axis=1)
         allowed = self.columns.copy < nodes.left[:, self.columns.sentence]
         lower, total, marginal = self._bound(nodes, allowed, unhit)
-        lower = np.maximum(lower, floor)
+        lower = np.maximum(np.maximum(lower, floor), nodes.lower)
 
         rank, width = leading_copies(
             marginal, allowed, missing, total * (1 - ROUNDING) - self.limit
@@ -436,7 +446,8 @@ class Search:
         cost = nodes.log_weight + missing * self.columns.largest - self._expected  # (B, K)
         spared = np.ones(cost.shape)
         rows = np.arange(len(nodes))
-        for step in range(TANGENT_ROUNDS):
+        at_root = not nodes.taken.any()
+        for step in range(ROOT_ROUNDS if at_root else TANGENT_ROUNDS):
             if step > 0:
                 spared = np.maximum(1.0 - point[rows] @ self.columns.hits.T, 0.0)
                 cost = point[rows] @ self.columns.cost.T / np.maximum(spared, ROUNDING)

@@ -65,7 +65,8 @@ def most_informative(evidence: Evidence, n: int, budget: float | None = None) ->
     equally informative selection with more telling single sentences exist.
     """
     columns = _columns(evidence)
-    return _select(evidence, columns, n, _greedy(columns), _deadline(budget))
+    n = min(max(n, 0), len(evidence.positions))
+    return _select(evidence, columns, _greedy(columns, n), _deadline(budget))
 
 
 def curve(evidence: Evidence, budget: float | None = None) -> tuple[Selection, ...]:
@@ -75,8 +76,7 @@ def curve(evidence: Evidence, budget: float | None = None) -> tuple[Selection, .
     of what the smaller ones left over.
     """
     columns = _columns(evidence)
-    greedy = _greedy(columns)
-    return tuple(_select_all(evidence, columns, greedy, len(evidence.positions), budget))
+    return tuple(_select_all(evidence, columns, len(evidence.positions), budget))
 
 
 def smallest_sufficient(
@@ -96,7 +96,7 @@ def smallest_sufficient(
     everything = -columns.log_value(columns.copies)
     size = min(at_most, len(evidence.positions))
     enough = Selection((), 0.0, 0.0)
-    for enough in _select_all(evidence, columns, _greedy(columns), size, budget):
+    for enough in _select_all(evidence, columns, size, budget):
         gain = enough.information_gain
         if gain > required_gain or gain >= everything - TIE:
             break
@@ -119,7 +119,7 @@ def informative_order(evidence: Evidence) -> tuple[Step, ...]:
     unused = [list(of_sentence) for of_sentence in columns.columns]
     steps = []
     gain = 0.0
-    for sentence, gain_with in _greedy(columns):
+    for sentence, gain_with in _greedy(columns, len(evidence.positions)):
         position = int(evidence.positions[unused[sentence].pop(0)])
         steps.append(Step(position, gain_with - gain))
         gain = gain_with
@@ -155,8 +155,8 @@ def _baseline(evidence: Evidence, said: range) -> Selection:
     return Selection(positions, -log_value, gap if gap > TIE else 0.0)
 
 
-def _greedy(columns: Columns) -> list[tuple[int, float]]:
-    """Add sentences one at a time, the best next: each with the gain of all up to it.
+def _greedy(columns: Columns, n: int) -> list[tuple[int, float]]:
+    """Add n sentences one at a time, the best next: each with the gain of all up to it.
 
     Sentences are sorted by single gain, so the first of those tied for the
     step and for the single gain that has the lowest position left is it.
@@ -165,7 +165,7 @@ def _greedy(columns: Columns) -> list[tuple[int, float]]:
     log_weight = columns.log_weight
     used = np.zeros_like(columns.copies)
     order = []
-    while (used < columns.copies).any():
+    for _ in range(n):
         reference = float(log_sum(log_weight))
         with np.errstate(divide='ignore'):
             gain = -(reference + np.log(np.exp(log_weight - reference) @ ratio))
@@ -209,14 +209,12 @@ def _swapped(columns: Columns, counts: Ints, limit: float | None = None) -> Ints
 def _select(
     evidence: Evidence,
     columns: Columns,
-    n: int,
     greedy: list[tuple[int, float]],
     deadline: float,
 ) -> Selection:
-    """Find the optimum from the greedy start, then settle the ties."""
-    n = min(max(n, 0), len(greedy))
-    counts = np.bincount([sentence for sentence, _ in greedy[:n]], minlength=len(columns.copies))
-    if 0 < n < len(greedy):
+    """Find the optimum as large as the greedy start, then settle the ties."""
+    counts = np.bincount([sentence for sentence, _ in greedy], minlength=len(columns.copies))
+    if 0 < len(greedy) < len(evidence.positions):
         counts, gap = _optimum(columns, _swapped(columns, counts), deadline)
         if gap == 0:
             counts = _settled(columns, counts, deadline)
@@ -226,17 +224,14 @@ def _select(
 
 
 def _select_all(
-    evidence: Evidence,
-    columns: Columns,
-    greedy: list[tuple[int, float]],
-    largest: int,
-    budget: float | None,
+    evidence: Evidence, columns: Columns, largest: int, budget: float | None
 ) -> Iterator[Selection]:
     """The selections of 0, 1, ... `largest` positions, with equal parts of what time is left."""
     deadline = _deadline(budget)
+    greedy = _greedy(columns, largest)
     for n in range(largest + 1):
         part = (deadline - time.monotonic()) / (largest + 1 - n)
-        yield _select(evidence, columns, n, greedy, time.monotonic() + part)
+        yield _select(evidence, columns, greedy[:n], time.monotonic() + part)
 
 
 def _optimum(columns: Columns, start: Ints, deadline: float) -> tuple[Ints, float]:
@@ -257,11 +252,18 @@ def _settled(columns: Columns, optimum: Ints, deadline: float) -> Ints:
     best = _swapped(columns, optimum, limit)
     most = float(best @ columns.single_gain)
     scores = Scores.of(columns, optimum, limit, most)
-    between = scores.counts_between(columns, n, most)
-    search = Search(columns, optimum, limit, deadline, scores, most + ROUNDING * n, *between)
+    between = scores.counts_between(columns, n, most - TIE)
+    search = Search(
+        columns, optimum, limit, deadline, scores, most - TIE, *between, other_than=best
+    )
+    alone = True
     for found in search.completions():
-        best, most = found.counts, found.gain
+        alone = False
+        if found.gain > most + ROUNDING * n:
+            best, most = found.counts, found.gain
         search.least_gain = most + ROUNDING * n
+    if alone:
+        return best
 
     least = most - TIE
     scores = Scores.of(columns, optimum, limit, least)
