@@ -36,13 +36,14 @@ setup(
         'up-fast-downward>=1.0,<2',
     ],
     extras_require={
-        'experiments': ['matplotlib', 'pandas', 'scipy', 'tabulate', 'tqdm'],
+        'experiments': ['matplotlib>=3.7', 'pandas', 'scipy', 'tabulate', 'tqdm'],
         'test': [
             'hypothesis',
             'mypy',
             'pytest',
             'pytest-benchmark',
             'pytest-timeout',
+            'pytest-xdist',
             'ruff',
             'pandas-stubs',
             'types-PyYAML',

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -30,7 +31,7 @@ from ros_peer import (
     running,
 )
 
-_namespaces = (f'/robot{number}' for number in itertools.count())
+_namespaces = (f'/robot_{os.getpid()}_{number}' for number in itertools.count())
 
 
 @pytest.fixture(scope='module', autouse=True)
