@@ -65,8 +65,8 @@ class MirrorModel:
     sentence of position i; `length`, shape (K,), is |π_k|. The masses are
     shares of P(B): enumerated, proved to have no plan, and not known.
     `stand_in_plans` counts the beliefs whose optimal plan could not be found in
-    time, and which have another one instead. `warnings`
-    say where the robot lies outside the user's model, and what was left out.
+    time, and which have another one instead. `warnings` say where the robot lies
+    outside the user's model, and what was left out.
     """
 
     goals: tuple[CandidateGoal, ...]
@@ -238,11 +238,16 @@ def _require_alternatives(prior: Prior, results: Sequence[BeliefPlans]) -> None:
 
 
 def _stand_ins(prior: Prior, results: Sequence[BeliefPlans]) -> list[BeliefPlans]:
-    """Return the results that hold a plan in place of an optimal one; b_R has π_R anyway."""
+    """Return the results that hold a plan in place of an optimal one; b_R has π_R anyway.
+
+    An engine that never proves its plans optimal gives no reason: it was asked for.
+    """
     return [
         result
         for index, result in enumerate(results)
-        if result.status is Status.SOLVED and result.reason and index != prior.robot_belief
+        if result.reason
+        and index != prior.robot_belief
+        and not all(plan.optimal for plan in result.plans)
     ]
 
 

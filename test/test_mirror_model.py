@@ -556,3 +556,38 @@ def test_hypotheses_that_sound_alike_are_merged_as_evidence_and_kept_for_reports
 
     assert len(model.hypotheses) == 4
     assert sorted(model.evidence().prior) == pytest.approx([0.25, 0.75])
+
+
+def test_a_plan_that_stands_in_counts_and_leaves_the_model_incomplete() -> None:
+    stand_in = BeliefPlans(
+        Status.SOLVED, (replace(plan('go x', 3), optimal=False),), 'a plan that stands in: slow'
+    )
+    case = Case(
+        beliefs=((Belief(0), 0.5), (Belief(1), 0.5)),
+        results=(solved(('wait', 1)), stand_in),
+        robot_belief=0,
+        robot_plan=plan('wait', 1),
+    )
+
+    model = case.model()
+
+    assert model.stand_in_plans == 1
+    assert [h.plan.optimal for h in model.hypotheses] == [True, False]
+    assert model.unknown_mass == 0.0
+    assert not model.complete
+    assert model.warnings[-1] == '1 of 2 beliefs have a plan that stands in: slow'
+
+
+def test_plans_of_an_engine_that_proves_none_optimal_do_not_stand_in() -> None:
+    satisficing = BeliefPlans(Status.SOLVED, (replace(plan('go x', 3), optimal=False),))
+    case = Case(
+        beliefs=((Belief(0), 0.5), (Belief(1), 0.5)),
+        results=(solved(('wait', 1)), satisficing),
+        robot_belief=0,
+        robot_plan=plan('wait', 1),
+    )
+
+    model = case.model()
+
+    assert model.stand_in_plans == 0
+    assert model.complete
