@@ -19,6 +19,9 @@ from random import Random
 from unified_planning.shortcuts import OneshotPlanner, get_environment
 
 from mirror_explainer import pddl
+from mirror_explainer.experiments.extras import MissingExtras, require_extras
+from mirror_explainer.experiments.ground_actions import ground_action
+from mirror_explainer.experiments.warehouse_files import warehouse_folder
 from mirror_explainer.planning import (
     Belief,
     BeliefPlans,
@@ -29,7 +32,6 @@ from mirror_explainer.planning import (
 )
 
 _GOALS, _FACTS, _MANY_FACTS = 4, 4, 8
-_WAREHOUSE = Path(__file__).parents[2] / 'config' / 'warehouse'
 
 
 @dataclass(frozen=True)
@@ -86,12 +88,13 @@ def _atoms(line: str) -> frozenset[str]:
 
 def warehouse() -> Instance:
     """Return the demo's warehouse: which door the robot leaves by, with what in hand."""
+    folder = warehouse_folder()
     items = ('red_circle', 'blue_cube', 'red_triangle', 'blue_circle')
     doors = ('bottom_door', 'top_left_door', 'top_right_door', 'bottom_door')
     return Instance(
         'warehouse',
-        (_WAREHOUSE / 'domain.pddl').read_text(),
-        (_WAREHOUSE / 'problem.pddl').read_text(),
+        (folder / 'domain.pddl').read_text(),
+        (folder / 'problem.pddl').read_text(),
         tuple(
             f'(and (holding {item}) (outside {door}))'
             for item, door in zip(items, doors, strict=True)
@@ -110,7 +113,9 @@ def uncertain_case(planner: Planner, instance: Instance, facts: int, random: Ran
     space = BeliefSpace(instance.domain, instance.problem, goals)
     [robot] = planner.plan(space, [Belief(0)], deadline=20.0).results
     task = pddl.read_task(instance.domain, instance.problem)
-    needed = _preconditions(task, robot.plans[0].actions)
+    needed = frozenset[str]().union(
+        *(ground_action(task, action).preconditions for action in robot.plans[0].actions)
+    )
     initial = task.initial_facts
     holding = sorted(needed & initial)
     random.shuffle(holding)
@@ -122,36 +127,9 @@ def uncertain_case(planner: Planner, instance: Instance, facts: int, random: Ran
     return Case(space, replace(space, problem=_with_facts(instance.problem, init)))
 
 
-def _preconditions(task: pddl.Task, actions: Sequence[str]) -> frozenset[str]:
-    return frozenset(
-        fact for action in actions for fact in _ground(task, action)[0]
-    )
-
-
 def _after(task: pddl.Task, action: str) -> frozenset[str]:
-    _, added, deleted = _ground(task, action)
-    return (task.initial_facts - deleted) | added
-
-
-def _ground(task: pddl.Task, text: str) -> tuple[frozenset[str], frozenset[str], frozenset[str]]:
-    """Return what a ground action needs, adds and deletes; of STRIPS actions only."""
-    name, *words = text[1:-1].split()
-    action = task.model.action(name)
-    names = {
-        parameter.name: word for parameter, word in zip(action.parameters, words, strict=True)
-    }
-
-    def ground(atom: object) -> str:
-        head, _, rest = str(atom).rstrip(')').partition('(')
-        terms = [term.strip() for term in rest.split(',') if term.strip()]
-        return pddl.ground_text(head, [names.get(term, term) for term in terms])
-
-    conditions = [part for whole in action.preconditions for part in pddl.literals(whole)]
-    return (
-        frozenset(ground(part) for part in conditions if part.is_fluent_exp()),
-        frozenset(ground(e.fluent) for e in action.effects if e.value.is_true()),
-        frozenset(ground(e.fluent) for e in action.effects if e.value.is_false()),
-    )
+    done = ground_action(task, action)
+    return (task.initial_facts - done.deleted) | done.added
 
 
 def _with_facts(problem: str, init: str) -> str:
@@ -299,6 +277,30 @@ def hard_table(instances: Sequence[Instance], deadline: float) -> str:
     return '\n'.join(lines)
 
 
+def draw(rows: Sequence[Row], path: Path) -> None:
+    """Draw every instance's seconds, one call a belief beside ours, as PNG and SVG."""
+    from matplotlib.figure import Figure
+
+    from mirror_explainer.experiments.figures import save
+
+    figure = Figure(figsize=(7.5, 3.6), layout='constrained')
+    axes = figure.subplots()
+    ordered = sorted(rows, key=lambda row: row.naive)
+    places = range(len(ordered))
+    for seconds, label, marker, colour in (
+        ([row.naive for row in ordered], 'one call a belief (extrapolated)', 's', '#d55e00'),
+        ([row.cold for row in ordered], 'here, a new problem', 'o', '#009e73'),
+        ([row.step for row in ordered], 'here, after one step of the robot', 'x', '#0072b2'),
+    ):
+        axes.plot(places, seconds, marker, label=label, color=colour, markersize=5)
+    axes.set_yscale('log')
+    axes.set_ylabel('seconds for 64 beliefs')
+    axes.set_xlabel(f'{len(ordered)} problems, by the time of one call a belief')
+    axes.set_xticks([])
+    figure.legend(loc='outside upper center', ncols=3, frameon=False)
+    save(figure, path)
+
+
 def start_seconds() -> float:
     """Return how long a new planner takes for its first belief, its process's start included."""
     began = time.perf_counter()
@@ -313,7 +315,13 @@ def main() -> None:
     parser.add_argument('--only', default='', help='only instances whose name contains this')
     parser.add_argument('--sample', type=int, default=4, help='naive calls for each state')
     parser.add_argument('--deadline', type=float, default=30.0, help='for the hard ones, seconds')
+    parser.add_argument('--figure', type=Path, help='draw FIGURE.png and FIGURE.svg')
     arguments = parser.parse_args()
+    if arguments.figure:
+        try:
+            require_extras()
+        except MissingExtras as error:
+            parser.error(str(error))
     instances = [warehouse()]
     if arguments.pucrs:
         manifest = json.loads((arguments.pucrs / 'manifest.json').read_text())['instances']
@@ -329,6 +337,8 @@ def main() -> None:
             f'takes {start_seconds():.2f} s.\n'
         )
         print(table(rows))
+        if arguments.figure:
+            draw(rows, arguments.figure)
     hard = [instance for instance in chosen if instance.hard]
     if hard:
         print(f'\nWith a deadline of {arguments.deadline:g} s:\n')
