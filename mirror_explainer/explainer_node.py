@@ -187,7 +187,10 @@ class ExplainerNode(Node):
             f'{len(model.hypotheses)} hypotheses, '
             f'{preparation.planner_calls} planner calls in {preparation.seconds.planning:.2f} s'
         )
-        self._answers.get(preparation, self._question())  # so that the first call finds it made
+        try:
+            self._answers.get(preparation, self._question())  # the first call finds it made
+        except Exception as error:  # nor may one end the update thread; the call will tell it
+            self.get_logger().error(f'the answer could not be made: {error!r}')
 
     def _question(self) -> dict[str, Any]:
         """Return the arguments of `explain` that the parameters decide."""
