@@ -2,7 +2,8 @@
 
 Run as `python3 -m mirror_explainer.experiments.plans_per_belief --pucrs DIR`; without
 DIR, for the warehouse alone. The referee knows all optimal plans up to order, at most
-1000 a belief. Prints Markdown tables.
+1000 a belief; a selection with fewer plans gets a sample of these, as it would get one
+from the planner. Prints Markdown tables.
 """
 
 import argparse
@@ -28,8 +29,8 @@ from mirror_explainer.experiments.pucrs_protocol import draw_facts, draw_goals
 from mirror_explainer.experiments.warehouse_files import warehouse_folder
 from mirror_explainer.mirror_model import MirrorModel, mirror_model
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner
-from mirror_explainer.prior import Prior, belief_prior
+from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner
+from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import most_informative
 from mirror_explainer.sentences import Sentences, action_parameters
 from mirror_explainer.user_model import CandidateGoal, UserModel, read_user_model
@@ -153,35 +154,56 @@ def _with_names(text: str, names: Mapping[str, str]) -> str:
     return re.sub(r'[^\s()]+', lambda word: names.get(word[0], word[0]), without_comments)
 
 
-def model_of(planner: Planner, scene: Scene, prior: Prior, count: int) -> MirrorModel:
-    """Return the mirror model with so many plans a belief."""
-    report = planner.plan(prior.space, prior.beliefs, plans_per_belief=count)
-    model = scene.user_model
-    sentences = Sentences(action_parameters(scene.task), model.templates, model.objects)
-    return mirror_model(prior, report.results, scene.plan, sentences, model.rationality)
+class Listener:
+    """The mirror models of a scene, by how many plans a belief they have.
+
+    Planning is done twice, for one plan a belief and for all that the referee knows.
+    """
+
+    def __init__(self, planner: Planner, scene: Scene) -> None:
+        self._scene = scene
+        self._prior = belief_prior(scene.task, scene.user_model)
+        self._one, self._all = (
+            planner.plan(self._prior.space, self._prior.beliefs, plans_per_belief=count).results
+            for count in (1, REFEREE)
+        )
+
+    def model(self, count: int) -> MirrorModel:
+        """Return the mirror model with so many plans a belief."""
+        model = self._scene.user_model
+        found = self._one if count == 1 else [_sampled(result, count) for result in self._all]
+        sentences = Sentences(action_parameters(self._scene.task), model.templates, model.objects)
+        return mirror_model(self._prior, found, self._scene.plan, sentences, model.rationality)
+
+
+def _sampled(result: BeliefPlans, count: int) -> BeliefPlans:
+    if len(result.plans) <= count:
+        return result
+    return replace(result, plans=tuple(Random(0).sample(result.plans, count)))
 
 
 def choices(planner: Planner, scene: Scene, renamings: int) -> Iterator[Choice]:
     """Yield what is said with each number of plans, and with each number of sentences."""
-    prior = belief_prior(scene.task, scene.user_model)
-    referee = model_of(planner, scene, prior, REFEREE)
+    listener = Listener(planner, scene)
+    referee = listener.model(REFEREE)
     sizes = [size for size in SIZES if size <= len(scene.plan.actions)]
-    best = {size: _best(referee, size) for size in sizes}
-    others = [renamed(scene, Random(f'{scene.name} {number}')) for number in range(renamings)]
-    priors = [belief_prior(other.task, other.user_model) for other in others]
+    best = {size: referee.information_gain(_best(referee, size)) for size in sizes}
+    others = [
+        Listener(planner, renamed(scene, Random(f'{scene.name} {number}')))
+        for number in range(renamings)
+    ]
     for count in COUNTS:
-        model = model_of(planner, scene, prior, count)
-        models = [model_of(planner, o, p, count) for o, p in zip(others, priors, strict=True)]
+        model = listener.model(count)
+        models = [other.model(count) for other in others]
         for size in sizes:
             said = _best(model, size)
-            least = referee.information_gain(best[size])
             sentences = _sentences(model, said)
             yield Choice(
                 scene.domain,
                 count,
                 size,
-                max(0.0, least - referee.information_gain(said)),
-                least,
+                max(0.0, best[size] - referee.information_gain(said)),
+                best[size],
                 tuple(_sentences(m, _best(m, size)) != sentences for m in models),
             )
 

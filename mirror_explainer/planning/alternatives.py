@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
 from mirror_explainer.planning.downward import OPTIMAL
-from mirror_explainer.planning.flagged_task import DOWN, UP, flagged, with_positive_costs
+from mirror_explainer.planning.flagged_task import DOWN, UP, flagged, useful, with_positive_costs
+from mirror_explainer.planning.ground_task import GroundTask
 from mirror_explainer.planning.optimal_plans import OptimalPlans, optimal_plans
 from mirror_explainer.planning.subject import Finding
 from mirror_explainer.planning.superset_walk import Node, SupersetWalk
@@ -54,6 +55,7 @@ class Alternatives:
         if task is None:
             return
         self._task = task
+        self._useful_for: dict[int, GroundTask] = {}
         self._cost_of = {operator.name: operator.cost for operator in task.operators}
         self._free_actions = task is not walk.task
         found = {node: Alternative(node, plan) for node, plan in walk.optimal() if plan}
@@ -87,7 +89,7 @@ class Alternatives:
         """Return the input of a search for an optimal plan with an operator not seen yet."""
         state, goal = subject.node.state, self._walk.goal(subject.node)
         variables = len(state)
-        task = flagged(self._task, variables, subject.seen)
+        task = flagged(self._useful(subject.node), variables, subject.seen)
         return task.text((*state, DOWN), (*goal, (variables, UP))), OPTIMAL
 
     def checked(self, subject: Alternative, actions: Sequence[str]) -> tuple[str, ...] | None:
@@ -135,6 +137,12 @@ class Alternatives:
                 if all(self._walk.checked(subject.node, plan) for plan in plans):
                     return parent.result
         return None
+
+    def _useful(self, node: Node) -> GroundTask:
+        """Return the task with the operators that can be in an optimal plan for a goal."""
+        if node.goal not in self._useful_for:
+            self._useful_for[node.goal] = useful(self._task, self._walk.goal(node))
+        return self._useful_for[node.goal]
 
     def _is_optimal(self, subject: Alternative, plan: Sequence[str]) -> bool:
         return subject.cost is None or self._cost(plan) == subject.cost

@@ -5,13 +5,14 @@ goal demands: a plan no costlier than the optimum has an operator not seen yet,
 and where there is no such plan all operators of optimal plans have been seen.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from mirror_explainer.planning.ground_task import GroundTask
+from mirror_explainer.planning.ground_task import Fact, GroundTask
 
 _FLAG = 'begin_variable\nflag\n-1\n2\nAtom flag()\nNegatedAtom flag()\nend_variable\n'
 _OPERATOR = 'begin_operator\n'
+_END = 'end_operator\n'
 
 # A flag that is up, and one that is not.
 UP, DOWN = 0, 1
@@ -20,6 +21,27 @@ UP, DOWN = 0, 1
 # plans are the optimal ones, and no plan goes on for nothing.
 _COST_UNIT = 1000
 _LARGEST_SUM = 1_000_000_000
+
+
+def useful(task: GroundTask, goal: Sequence[Fact]) -> GroundTask:
+    """Return the task without the operators that help nothing towards a goal.
+
+    They are in no optimal plan, as no operator is free.
+    """
+    needed = set(goal)
+    left = set(range(len(task.operators)))
+    while helping := {i for i in left if not needed.isdisjoint(task.operators[i].effect)}:
+        left -= helping
+        needed.update(fact for index in helping for fact in task.operators[index].condition)
+    if not left:
+        return task
+    _, *blocks = task.tail.split(_OPERATOR)
+    last, axioms = blocks[-1].split(_END)
+    blocks[-1] = last + _END
+    kept = [index for index in range(len(blocks)) if index not in left]
+    tail = _OPERATOR.join([f'{len(kept)}\n', *(blocks[index] for index in kept)])
+    operators = tuple(task.operators[index] for index in kept)
+    return replace(task, operators=operators, tail=tail + axioms)
 
 
 def flagged(task: GroundTask, variables: int, seen: Collection[str]) -> GroundTask:

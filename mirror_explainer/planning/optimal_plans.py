@@ -17,7 +17,7 @@ from mirror_explainer.planning.ground_task import Fact, Operator, State
 
 Actions = tuple[str, ...]
 
-# A plan as one number: so many bits for each operator's count.
+# A plan as one number: so many bits for the count of each action.
 _BITS = 10
 
 # A task with more states within the optimal cost than this is not enumerated.
@@ -159,13 +159,14 @@ def _suffixes(
         if all(here[variable] == value for variable, value in goal)
     }
     complete = True
+    ones = _ones(operators)
     for spent in sorted(layers, reverse=True):
         for here, steps in layers[spent].items():
             following = suffixes.get(here, set())
             for index, there in steps:
                 # A state that another path reaches at less cost is on no optimal path here.
                 if there in layers.get(spent + operators[index].cost, ()):
-                    one = 1 << _BITS * index
+                    one = ones[index]
                     following |= {one + suffix for suffix in suffixes.get(there, ())}
             if len(following) > most:
                 following = set(Random(0).sample(sorted(following), most))
@@ -173,6 +174,15 @@ def _suffixes(
             if following:
                 suffixes[here] = following
     return suffixes, complete
+
+
+def _ones(operators: Sequence[Operator]) -> list[int]:
+    """Return what each operator adds to a plan's number: the same under the same name.
+
+    An action whose condition has alternatives is several operators.
+    """
+    numbers: dict[str, int] = {}
+    return [1 << _BITS * numbers.setdefault(o.name, len(numbers)) for o in operators]
 
 
 def _ordered(
@@ -184,19 +194,23 @@ def _ordered(
 ) -> Actions:
     """Return a plan's actions in an order that can be carried out."""
     names = []
+    ones = _ones(operators)
     spent, here = 0, state
     while plan:
-        index, here, plan = next(_first_steps(layers[spent][here], suffixes, plan))
+        index, here, plan = next(_first_steps(layers[spent][here], ones, suffixes, plan))
         names.append(operators[index].name)
         spent += operators[index].cost
     return tuple(names)
 
 
 def _first_steps(
-    steps: Sequence[tuple[int, State]], suffixes: dict[State, set[int]], plan: int
+    steps: Sequence[tuple[int, State]],
+    ones: Sequence[int],
+    suffixes: dict[State, set[int]],
+    plan: int,
 ) -> Iterator[tuple[int, State, int]]:
     """Yield the steps with which a plan can begin, and what then remains of it."""
     for index, there in steps:
-        rest = plan - (1 << _BITS * index)
+        rest = plan - ones[index]
         if rest >= 0 and rest in suffixes.get(there, ()):
             yield index, there, rest
