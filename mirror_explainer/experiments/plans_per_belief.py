@@ -7,6 +7,7 @@ from the planner. Prints Markdown tables.
 """
 
 import argparse
+import itertools
 import json
 import re
 import statistics
@@ -40,7 +41,7 @@ SIZES = (1, 2, 3, 4)
 REFEREE = 1000
 _FACTS, _TIMED_FACTS = 2, 4
 _DEADLINE = 60.0  # seconds
-_BUDGET = 5.0  # seconds for one selection
+_BUDGET = 2.0  # seconds for one selection
 
 
 @dataclass(frozen=True)
@@ -167,6 +168,16 @@ class Listener:
             planner.plan(self._prior.space, self._prior.beliefs, plans_per_belief=count).results
             for count in (1, REFEREE)
         )
+        self._said: dict[tuple[int, int], tuple[int, ...]] = {}
+
+    def said(self, count: int, size: int) -> tuple[int, ...]:
+        """Return the positions of what is said with so many plans a belief."""
+        largest = max(len(result.plans) for result in self._all)
+        key = min(count, largest), size  # there are no more plans than these
+        if key not in self._said:
+            model = self.model(count)
+            self._said[key] = most_informative(model.evidence(), size, _BUDGET).positions
+        return self._said[key]
 
     def model(self, count: int) -> MirrorModel:
         """Return the mirror model with so many plans a belief."""
@@ -187,29 +198,24 @@ def choices(planner: Planner, scene: Scene, renamings: int) -> Iterator[Choice]:
     listener = Listener(planner, scene)
     referee = listener.model(REFEREE)
     sizes = [size for size in SIZES if size <= len(scene.plan.actions)]
-    best = {size: referee.information_gain(_best(referee, size)) for size in sizes}
+    best = {size: referee.information_gain(listener.said(REFEREE, size)) for size in sizes}
     others = [
         Listener(planner, renamed(scene, Random(f'{scene.name} {number}')))
         for number in range(renamings)
     ]
-    for count in COUNTS:
-        model = listener.model(count)
-        models = [other.model(count) for other in others]
-        for size in sizes:
-            said = _best(model, size)
-            sentences = _sentences(model, said)
-            yield Choice(
-                scene.domain,
-                count,
-                size,
-                max(0.0, best[size] - referee.information_gain(said)),
-                best[size],
-                tuple(_sentences(m, _best(m, size)) != sentences for m in models),
-            )
-
-
-def _best(model: MirrorModel, size: int) -> tuple[int, ...]:
-    return most_informative(model.evidence(), size, _BUDGET).positions
+    for count, size in itertools.product(COUNTS, sizes):
+        said = listener.said(count, size)
+        yield Choice(
+            scene.domain,
+            count,
+            size,
+            max(0.0, best[size] - referee.information_gain(said)),
+            best[size],
+            tuple(
+                _sentences(referee, other.said(count, size)) != _sentences(referee, said)
+                for other in others
+            ),
+        )
 
 
 def _sentences(model: MirrorModel, positions: Sequence[int]) -> list[str]:

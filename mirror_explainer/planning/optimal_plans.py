@@ -9,7 +9,7 @@ and operators that have nothing to do with one another are looked at apart.
 import heapq
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from random import Random
 
@@ -100,45 +100,84 @@ def _independent_parts(operators: Sequence[Operator]) -> list[list[Operator]]:
     return [part for _, _, part in parts]
 
 
+# A state as one number: a bit for each fact that holds.
+_Mask = int
+
 # By the cost spent: the states reached at no less, with their (operator, next state) pairs.
-_Layers = dict[int, dict[State, list[tuple[int, State]]]]
+_Layers = dict[int, dict[_Mask, list[tuple[int, _Mask]]]]
+
+
+@dataclass(frozen=True)
+class _Step:
+    """An operator on states as numbers: it needs some bits, keeps some, and sets some."""
+
+    needs: _Mask
+    keeps: _Mask
+    sets: _Mask
+    cost: int
+
+
+class _Bits:
+    """Gives each fact a bit, and so each state a number."""
+
+    def __init__(self, operators: Sequence[Operator], state: State, goal: Sequence[Fact]) -> None:
+        facts = dict.fromkeys(goal)
+        for operator in operators:
+            facts.update(dict.fromkeys((*operator.condition, *operator.effect)))
+        facts.update((fact, None) for fact in enumerate(state))
+        self._bit = {fact: 1 << number for number, fact in enumerate(facts)}
+        self._of_variable: dict[int, _Mask] = defaultdict(int)
+        for (variable, _), bit in self._bit.items():
+            self._of_variable[variable] |= bit
+
+    def mask(self, facts: Iterable[Fact]) -> _Mask:
+        """Return the bits of the facts."""
+        return sum(self._bit[fact] for fact in set(facts))
+
+    def step(self, operator: Operator) -> _Step:
+        """Return an operator with its facts as bits."""
+        changed = sum(self._of_variable[v] for v in {v for v, _ in operator.effect})
+        return _Step(
+            self.mask(operator.condition), ~changed, self.mask(operator.effect), operator.cost
+        )
 
 
 def _plans_of_part(
     operators: Sequence[Operator], state: State, goal: Sequence[Fact], cost: int, most: int
 ) -> tuple[list[Actions], bool] | None:
     """Return plans of exactly this cost, and whether these are all; None if that is too much."""
-    layers = _layers(operators, state, cost)
+    bits = _Bits(operators, state, goal)
+    start = bits.mask(enumerate(state))
+    layers = _layers([bits.step(operator) for operator in operators], start, cost)
     if layers is None:
         return None
-    suffixes, complete = _suffixes(operators, layers, goal, cost, _SPARE * most)
-    found = sorted(suffixes.get(state, ()))
+    suffixes, complete = _suffixes(operators, layers, bits.mask(goal), cost, _SPARE * most)
+    found = sorted(suffixes.get(start, ()))
     chosen = found if len(found) <= most else Random(0).sample(found, most)
-    plans = [_ordered(operators, layers, suffixes, state, plan) for plan in chosen]
+    plans = [_ordered(operators, layers, suffixes, start, plan) for plan in chosen]
     return plans, complete and len(found) <= most
 
 
-def _layers(operators: Sequence[Operator], state: State, cost: int) -> _Layers | None:
+def _layers(steps: Sequence[_Step], start: _Mask, cost: int) -> _Layers | None:
     """Explore what can be reached within the cost, each state at the least it takes."""
-    least = {state: 0}
-    waiting = [(0, state)]
+    numbered = [(index, s.needs, s.keeps, s.sets, s.cost) for index, s in enumerate(steps)]
+    least = {start: 0}
+    waiting = [(0, start)]
     layers: _Layers = defaultdict(dict)
     while waiting:
         spent, here = heapq.heappop(waiting)
         if here in layers[spent] or least[here] < spent:
             continue
-        steps = layers[spent][here] = []
-        for index, operator in enumerate(operators):
-            then = spent + operator.cost
-            if then > cost or any(here[v] != value for v, value in operator.condition):
+        following = layers[spent][here] = []
+        for index, needs, keeps, sets, own_cost in numbered:
+            then = spent + own_cost
+            if here & needs != needs or then > cost:
                 continue
-            values = list(here)
-            for variable, value in operator.effect:
-                values[variable] = value
-            there = tuple(values)
-            if then <= least.get(there, then):
-                steps.append((index, there))
-            if then < least.get(there, then + 1):
+            there = here & keeps | sets
+            known = least.get(there, cost + 1)
+            if then <= known:
+                following.append((index, there))
+            if then < known:
                 least[there] = then
                 heapq.heappush(waiting, (then, there))
         if len(least) > _MOST_STATES:
@@ -147,16 +186,14 @@ def _layers(operators: Sequence[Operator], state: State, cost: int) -> _Layers |
 
 
 def _suffixes(
-    operators: Sequence[Operator], layers: _Layers, goal: Sequence[Fact], cost: int, most: int
-) -> tuple[dict[State, set[int]], bool]:
+    operators: Sequence[Operator], layers: _Layers, goal: _Mask, cost: int, most: int
+) -> tuple[dict[_Mask, set[int]], bool]:
     """Return what may follow each state on an optimal path, and whether that is everything.
 
     Where more than `most` plans follow a state, a sample of them stays.
     """
-    suffixes: dict[State, set[int]] = {
-        here: {0}
-        for here in layers.get(cost, ())
-        if all(here[variable] == value for variable, value in goal)
+    suffixes: dict[_Mask, set[int]] = {
+        here: {0} for here in layers.get(cost, ()) if here & goal == goal
     }
     complete = True
     ones = _ones(operators)
@@ -188,14 +225,14 @@ def _ones(operators: Sequence[Operator]) -> list[int]:
 def _ordered(
     operators: Sequence[Operator],
     layers: _Layers,
-    suffixes: dict[State, set[int]],
-    state: State,
+    suffixes: dict[_Mask, set[int]],
+    start: _Mask,
     plan: int,
 ) -> Actions:
     """Return a plan's actions in an order that can be carried out."""
     names = []
     ones = _ones(operators)
-    spent, here = 0, state
+    spent, here = 0, start
     while plan:
         index, here, plan = next(_first_steps(layers[spent][here], ones, suffixes, plan))
         names.append(operators[index].name)
@@ -204,11 +241,11 @@ def _ordered(
 
 
 def _first_steps(
-    steps: Sequence[tuple[int, State]],
+    steps: Sequence[tuple[int, _Mask]],
     ones: Sequence[int],
-    suffixes: dict[State, set[int]],
+    suffixes: dict[_Mask, set[int]],
     plan: int,
-) -> Iterator[tuple[int, State, int]]:
+) -> Iterator[tuple[int, _Mask, int]]:
     """Yield the steps with which a plan can begin, and what then remains of it."""
     for index, there in steps:
         rest = plan - ones[index]
