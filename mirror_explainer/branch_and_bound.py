@@ -17,6 +17,12 @@ value is met by the j sentences with the largest coefficients. Moving the point
 c towards them (Frank and Wolfe) and asking again tightens the bound.
 
 Nodes are expanded by the hundred: every step above is a product of matrices.
+
+Why not a solver library: F is a sum of products, not linear. Written out for
+HiGHS (`scipy.optimize.milp`), where ratios are only 0 or 1 and it is a maximum
+cover with one more variable a hypothesis, 100 actions against 100 hypotheses
+took it 0.2 to 7 s for one N, 2 to 400 times as long as this search; with other
+ratios it would need the logarithms made piecewise linear, and be inexact.
 """
 
 import time
@@ -26,102 +32,29 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from mirror_explainer.columns import LARGEST_EXPONENT, Columns, Floats, Ints, exp
+from mirror_explainer.scores import ROUNDING, Scores
+
 Booleans = NDArray[np.bool_]
 
-LARGEST_EXPONENT = 600.0  # exp of more would leave no room for sums
-ROUNDING = 1e-12  # relative; sums of differences are not trusted beyond this
+TIE = 1e-9  # nats; gains that differ by less are equal
 TANGENT_ROUNDS = 3
-ROOT_ROUNDS = 30
-MULTIPLIER_ROUNDS = 100
+ROOT_ROUNDS = 15
 CELLS_OPEN = 10_000_000  # nodes × hypotheses kept while not going deep
-CELLS_AT_ONCE = 2_500_000  # nodes × hypotheses × positions handled in one step
-
-
-@dataclass(frozen=True)
-class Columns:
-    """The positions' columns, equal ones made one: K hypotheses, T sentences, P positions.
-
-    Columns are sorted by their single gain, the largest first; the P copies
-    repeat every sentence as often as the plan has it, in the same order.
-    """
-
-    log_weight: Floats  # (K,) log w_k
-    log_ratio: Floats  # (K, T) log r_k(s), −inf where the sentence is not in plan k
-    single_gain: Floats  # (T,) information gain of the sentence alone, nats
-    columns: tuple[tuple[int, ...], ...]  # T × the columns that say this sentence, ascending
-    copies: Ints  # (T,) how many these are
-    sentence: Ints  # (P,) the sentence of each copy
-    copy: Ints  # (P,) 0 for a sentence's first copy, 1 for its second, ...
-    hits: Floats  # (K, P) 1 where a first copy is not in plan k, else 0
-    largest: Floats  # (K,) log of the largest ratio
-    cost: Floats  # (K, P) largest − log ratio, 0 where the plan lacks the sentence
-    least: Floats  # (K, P + 1) log of the product of the j smallest ratios above 0
-
-    @classmethod
-    def of(cls, prior: Floats, ratio: Floats) -> 'Columns':
-        """Merge equal columns of `ratio` (K, P) and tabulate what the search needs."""
-        possible = prior > 0
-        weight, ratio = prior[possible] / prior.sum(), ratio[possible]
-        distinct, sentence_of = np.unique(ratio, axis=1, return_inverse=True)
-        with np.errstate(divide='ignore'):
-            log_weight, log_ratio = np.log(weight), np.log(distinct)
-        single_gain = -log_sum(log_weight[:, None] + log_ratio)
-        columns = [np.flatnonzero(sentence_of == t) for t in range(len(single_gain))]
-        order = sorted(range(len(columns)), key=lambda t: (-single_gain[t], columns[t][0]))
-        log_ratio, single_gain = log_ratio[:, order], single_gain[order]
-        copies = np.array([len(columns[t]) for t in order], dtype=np.int64)
-
-        sentence = np.repeat(np.arange(len(order)), copies)
-        copy = np.arange(len(sentence)) - (np.cumsum(copies) - copies)[sentence]
-        lacking = np.isneginf(log_ratio)
-        largest = np.where(lacking.all(axis=1), 0.0, log_ratio.max(axis=1, initial=-np.inf))
-        cost = np.where(lacking, 0.0, largest[:, None] - log_ratio)[:, sentence]
-        ascending = np.sort(np.where(lacking, np.inf, log_ratio)[:, sentence], axis=1)
-        least = np.cumsum(np.insert(ascending, 0, 0.0, axis=1), axis=1)
-        return cls(
-            log_weight=log_weight,
-            log_ratio=log_ratio,
-            single_gain=single_gain,
-            columns=tuple(tuple(int(c) for c in columns[t]) for t in order),
-            copies=copies,
-            sentence=sentence,
-            copy=copy,
-            hits=(lacking[:, sentence] & (copy == 0)).astype(float),
-            largest=largest,
-            cost=cost,
-            least=np.where(np.isposinf(least), -np.inf, least),
-        )
-
-    @property
-    def sentence_of(self) -> dict[int, int]:
-        """The sentence of every column of the evidence, in plan order."""
-        return dict(sorted((c, t) for t, of in enumerate(self.columns) for c in of))
-
-    def log_products(self, counts: Ints) -> Floats:
-        """log w_k ∏_{i∈o} r_k(s_i), shape (..., K), of sets given as counts (..., T)."""
-        hit = counts @ np.isneginf(self.log_ratio).T > 0
-        finite = np.where(np.isneginf(self.log_ratio), 0.0, self.log_ratio)
-        return np.where(hit, -np.inf, self.log_weight + counts @ finite.T)
-
-    def log_value(self, counts: Ints) -> float:
-        """log F of a set given as counts (T,)."""
-        return float(log_sum(self.log_products(counts)))
-
-    def log_floor(self, n: int) -> float:
-        """A bound that no set of n sentences can go below: each hypothesis at its smallest."""
-        never_hit = ~self.hits.any(axis=1)
-        return float(log_sum((self.log_weight + self.least[:, n])[never_hit]))
+CELLS_AT_ONCE = 1_500_000  # nodes × hypotheses × positions handled in one step
 
 
 @dataclass(frozen=True)
 class Completion:
-    """A set of sentences: how many copies of each (T,), its F, and its sum of single gains."""
+    """A set of sentences: how many copies of each (T,), its F, and its sum of single gains.
+
+    `tied` says that others with the same sum may have been passed over for it.
+    """
 
     counts: Ints
     value: float
     gain: float
+    tied: bool
 
 
 @dataclass(frozen=True)
@@ -145,76 +78,6 @@ class Nodes:
             self.taken[which],
             self.lower[which],
         )
-
-
-@dataclass(frozen=True)
-class Scores:
-    """What a set must do besides having large single gains, and what that is worth.
-
-    No single hypothesis may keep F above the limit: a set has to hit it, or
-    has to bring the cost that makes it small enough. Each copy does a share of
-    that, and the shares of a set must add up to 1. Each condition has a
-    multiplier λ ≥ 0 (Lagrange), so that for all sets that meet them
-    Σ_i gain_i ≤ Σ_i (gain_i + Σ_k λ_k share_ki) − Σ_k λ_k.
-    """
-
-    gain: Floats  # (P,) the single gain of each copy
-    share: Floats  # (C, P) of C conditions
-    multiplier: Floats  # (C,)
-
-    @classmethod
-    def of(cls, columns: Columns, start: Ints, limit: float, target: float) -> 'Scores':
-        """Find multipliers that bound the gains of sets as large as `start` near `target`.
-
-        `limit` is that of F, relative to `start`.
-        """
-        n = int(start.sum())
-        log_weight = columns.log_weight - columns.log_value(start)
-        unhit = exp(log_weight + columns.least[:, n])
-        floor = np.where(columns.hits.any(axis=1), 0.0, unhit)
-        slack = np.maximum(limit - (floor.sum() - floor), 0.0) + ROUNDING
-        needed = log_weight + n * columns.largest - np.log(slack)  # (K,) cost
-        share = np.minimum(columns.cost / np.maximum(needed, ROUNDING)[:, None], 1.0)
-        share[unhit > slack] = 0.0
-        share = np.where(columns.hits > 0, 1.0, share)[needed > 0]
-
-        gain = columns.single_gain[columns.sentence]
-        multiplier = np.zeros(len(share))
-        best, lowest, reach = multiplier, np.inf, 1.0
-        for _ in range(MULTIPLIER_ROUNDS):
-            score = gain + multiplier @ share
-            top = np.argpartition(-score, n - 1)[:n]
-            highest = float(score[top].sum() - multiplier.sum())
-            if highest < lowest:
-                best, lowest = multiplier, highest
-            else:
-                reach *= 0.9
-            excess = share[:, top].sum(axis=1) - 1.0
-            excess[(multiplier == 0) & (excess > 0)] = 0.0
-            if highest <= target or not excess.any():
-                break
-            step = reach * (highest - target) / (excess @ excess)
-            multiplier = np.maximum(multiplier - step * excess, 0.0)
-        return cls(gain, share[best > 0], best[best > 0])
-
-    def counts_between(
-        self,
-        columns: Columns,
-        n: int,
-        least_gain: float,
-    ) -> tuple[Ints, Ints]:
-        """The fewest and the most copies (T,) in any set that reaches `least_gain`."""
-        score = self.gain + self.multiplier @ self.share
-        order = np.argsort(-score, kind='stable')
-        score = score[order]
-        spare = score[:n].sum() - self.multiplier.sum() - least_gain + ROUNDING * n
-        needed = np.zeros(len(order), dtype=np.int64)
-        possible = np.zeros(len(order), dtype=np.int64)
-        needed[order[:n]] = score[:n] - score[n] > spare
-        possible[order[:n]] = 1
-        possible[order[n:]] = score[n - 1] - score[n:] <= spare
-        first = np.cumsum(columns.copies) - columns.copies
-        return np.add.reduceat(needed, first), np.add.reduceat(possible, first)
 
 
 class Search:
@@ -312,8 +175,10 @@ class Search:
         good = (value <= self.limit) & (gain >= self.least_gain)
         good &= (counts != self._except).any(axis=1)
         if good.any():
-            best = int(np.where(good, gain, -np.inf).argmax())
-            yield Completion(counts[best], float(value[best]), float(gain[best]))
+            merit = np.where(good, gain, -np.inf)
+            best = int(merit.argmax())
+            tied = bool((merit >= merit[best] - TIE).sum() > 1)
+            yield Completion(counts[best], float(value[best]), float(gain[best]), tied)
 
     def _ranked(self, nodes: Nodes, scores: Scores) -> tuple[Nodes, Ints, Ints]:
         """Rank the copies (B, P) by score, where the nodes can reach the least gain at all.
@@ -353,7 +218,8 @@ class Search:
             node, last = np.unravel_index(merit.argmax(), merit.shape)
             counts = nodes.taken[node].copy()
             counts[last] += 1
-            yield Completion(counts, float(value[node, last]), float(gain[node, last]))
+            tied = bool((merit >= merit[node, last] - TIE).sum() > 1)
+            yield Completion(counts, float(value[node, last]), float(gain[node, last]), tied)
 
     def _expand(self, nodes: Nodes, by_score: tuple[Ints, Ints] | None = None) -> None:
         """Close the nodes that cannot lead within the limits, and branch on the others.
@@ -409,7 +275,7 @@ class Search:
         branch &= alive[:, None]
         order = np.argsort(np.where(branch, rank, allowed.shape[1]), axis=1, kind='stable')
         place = np.empty_like(order)
-        np.put_along_axis(place, order, np.arange(order.shape[1])[None], axis=1)
+        place[every[:, None], order] = np.arange(order.shape[1])
         node, nth = np.nonzero(np.arange(order.shape[1]) < branch.sum(axis=1)[:, None])
         chosen = order[node, nth]
         child = np.arange(len(node))
@@ -446,24 +312,27 @@ class Search:
         cost = nodes.log_weight + missing * self.columns.largest - self._expected  # (B, K)
         spared = np.ones(cost.shape)
         rows = np.arange(len(nodes))
-        at_root = not nodes.taken.any()
+        at_root = self.scores is None and not nodes.taken.any()
         for step in range(ROOT_ROUNDS if at_root else TANGENT_ROUNDS):
             if step > 0:
                 spared = np.maximum(1.0 - point[rows] @ self.columns.hits.T, 0.0)
                 cost = point[rows] @ self.columns.cost.T / np.maximum(spared, ROUNDING)
             height, slope = tangents(ceiling[rows], unhit[rows], cost, spared > ROUNDING)
-            gain = np.hstack([slope, height]) @ self._coefficients
+            gain = np.concatenate([slope, height], axis=1) @ self._coefficients
             gain[~allowed[rows]] = -1.0
+            each = np.arange(len(rows))[:, None]
             best = np.argpartition(-gain, missing - 1, axis=1)[:, :missing]
             summed = height.sum(axis=1)
-            bound = summed * (1 - ROUNDING) - np.take_along_axis(gain, best, axis=1).sum(axis=1)
+            bound = summed * (1 - ROUNDING) - gain[each, best].sum(axis=1)
             better = bound > lower[rows]
             lower[rows[better]] = bound[better]
             total[rows[better]], marginal[rows[better]] = summed[better], gain[better]
             corner = np.zeros(gain.shape)
-            np.put_along_axis(corner, best, 1.0, axis=1)
+            corner[each, best] = 1.0
             point[rows] += (corner - point[rows]) / (step + 1)
             rows = rows[lower[rows] <= self.limit]
+            if not len(rows):
+                break
         return lower, total, marginal
 
 
@@ -496,24 +365,12 @@ def leading_copies(
     any of the leading ones cannot bring the `required` (B,) sum of scores.
     Returns the ranks (B, P) and the numbers of leading copies (B,).
     """
-    score = np.broadcast_to(score, allowed.shape)
+    each = np.arange(len(allowed))[:, None]
     order = np.argsort(np.where(allowed, -score, np.inf), axis=1, kind='stable')
     rank = np.empty_like(order)
-    np.put_along_axis(rank, order, np.arange(order.shape[1])[None], axis=1)
-    sorted_score = np.take_along_axis(np.where(allowed, score, 0.0), order, axis=1)
-    running = np.cumsum(np.insert(sorted_score, 0, 0.0, axis=1), axis=1)
+    rank[each, order] = np.arange(order.shape[1])
+    running = np.zeros((len(order), order.shape[1] + 1))
+    np.cumsum(np.where(allowed, score, 0.0)[each, order], axis=1, out=running[:, 1:])
     window = running[:, missing:] - running[:, :-missing]  # the best set from each rank on
     full = np.arange(window.shape[1]) <= allowed.sum(axis=1)[:, None] - missing
     return rank, ((window >= required[:, None]) & full).sum(axis=1)
-
-
-def exp(exponent: 'Floats | float') -> Floats:
-    """exp, without overflow: what is too large to matter stays merely large."""
-    return np.exp(np.minimum(exponent, LARGEST_EXPONENT))
-
-
-def log_sum(log_terms: Floats) -> Floats:
-    """log Σ_k exp(log_terms[k]) over the first axis, at any magnitude."""
-    largest = np.maximum(log_terms.max(axis=0, initial=-np.inf), -1e300)
-    with np.errstate(divide='ignore'):
-        return np.asarray(largest + np.log(np.exp(log_terms - largest).sum(axis=0)))

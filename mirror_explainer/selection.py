@@ -16,18 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mirror_explainer.branch_and_bound import (
-    ROUNDING,
-    Columns,
-    Ints,
-    Scores,
-    Search,
-    exp,
-    log_sum,
-)
+from mirror_explainer.branch_and_bound import TIE, Search
+from mirror_explainer.columns import Columns, Ints, exp, log_sum
 from mirror_explainer.mirror_model import Evidence
-
-TIE = 1e-9  # nats
+from mirror_explainer.scores import ROUNDING, Scores
 
 
 @dataclass(frozen=True)
@@ -64,9 +56,10 @@ def most_informative(evidence: Evidence, n: int, budget: float | None = None) ->
     if time ran out between that proof and the end of the tie-break may an
     equally informative selection with more telling single sentences exist.
     """
+    deadline = _deadline(budget)
     columns = _columns(evidence)
     n = min(max(n, 0), len(evidence.positions))
-    return _select(evidence, columns, _greedy(columns, n), _deadline(budget))
+    return _select(evidence, columns, _greedy(columns, n), deadline)
 
 
 def curve(evidence: Evidence, budget: float | None = None) -> tuple[Selection, ...]:
@@ -131,7 +124,8 @@ def _columns(evidence: Evidence) -> Columns:
 
 
 def _deadline(budget: float | None) -> float:
-    return math.inf if budget is None else time.monotonic() + budget
+    """When to stop: a little before the end, as the step that is under way goes on."""
+    return math.inf if budget is None else time.monotonic() + 0.9 * budget
 
 
 def _selection(evidence: Evidence, columns: Columns, counts: Ints, gap: float) -> Selection:
@@ -258,7 +252,7 @@ def _settled(columns: Columns, optimum: Ints, deadline: float) -> Ints:
     )
     alone = True
     for found in search.completions():
-        alone = False
+        alone = found.gain > most + TIE and not found.tied
         if found.gain > most + ROUNDING * n:
             best, most = found.counts, found.gain
         search.least_gain = most + ROUNDING * n
