@@ -16,6 +16,15 @@ from unified_planning.exceptions import UPException
 from unified_planning.io import PDDLReader
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.pddl_sections import (
+    require_readable,
+    section,
+    types_in_alternatives,
+    with_plain_predicates,
+    without_costs,
+    without_total_time,
+)
+from mirror_explainer.sequential import is_durative, require_fixed_durations, sequential_texts
 
 # What unified-planning's reader raises for a text that is no good, besides a bare
 # AssertionError or a Python error from deep inside it for the odder ones.
@@ -40,11 +49,16 @@ _NESTED = pyparsing.nested_expr(content=pyparsing.Regex(r'[^\s()]+'), ignore_exp
 
 @dataclass(frozen=True)
 class Task:
-    """A planning task ⟨P, A, I, G, O⟩ as read: the two texts, and unified-planning's problem."""
+    """A planning task ⟨P, A, I, G, O⟩ as read: the two texts, and unified-planning's problem.
+
+    Nothing in them takes time: durative actions happen at once, and cost what
+    they took. `durative` says that there were some.
+    """
 
     domain: str
     problem: str
     model: up.Problem
+    durative: bool = False
 
     @property
     def initial_facts(self) -> frozenset[str]:
@@ -75,31 +89,45 @@ def read_task(
     """Read a PDDL domain and problem.
 
     The sources name the file or topic in errors. Raises InputError for a text
-    that is not PDDL, is inconsistent, or has durative actions or processes.
+    that is not PDDL, is inconsistent, or has more of PDDL than can be explained.
     """
     domain, problem = domain.removeprefix('\ufeff'), problem.removeprefix('\ufeff')
     _require_definition(domain, 'domain', domain_source)
     _require_definition(problem, 'problem', problem_source)
-    try:
-        model = PDDLReader().parse_problem_string(domain, problem)
-    except _READER_ERRORS as error:
-        _raise_for_domain_alone(domain, domain_source)
-        raise _input_error(
-            error, problem, problem_source, _domain_hint(domain, problem)
-        ) from error
-    durative = [a.name for a in model.actions if isinstance(a, up.DurativeAction)]
-    if durative or not all(isinstance(a, up.InstantaneousAction) for a in model.actions):
-        raise InputError(
-            domain_source,
-            f'it has durative actions ({", ".join(durative)}); only actions without duration '
-            'can be explained',
-            _line_of(':durative-action', domain),
-        )
+    require_readable(domain, problem, domain_source, problem_source)
+    problem = without_total_time(problem)
+    durative = is_durative(domain)
+    if durative:
+        require_fixed_durations(domain, domain_source)
+        if section(problem, ':metric') is None:
+            domain = without_costs(domain)
+    model = _read_model(domain, problem, domain_source, problem_source)
+    if durative:
+        domain, problem = sequential_texts(model, domain, problem, domain_source, problem_source)
+        model = _read_model(domain, problem, domain_source, problem_source)
+    if not all(isinstance(action, up.InstantaneousAction) for action in model.actions):
+        raise InputError(domain_source, 'it has actions other than :action and :durative-action')
     goals = conjuncts(model.environment.expression_manager.And(model.goals))
     model.clear_goals()
     for conjunct in goals:
         model.add_goal(conjunct)
-    return Task(domain, problem, model)
+    return Task(domain, problem, model, durative)
+
+
+def _read_model(domain: str, problem: str, domain_source: str, problem_source: str) -> up.Problem:
+    """Return unified-planning's problem. Raises InputError with lines of the texts given."""
+    readable = with_plain_predicates(domain)
+    try:
+        model = PDDLReader().parse_problem_string(readable, problem)
+    except _READER_ERRORS as error:
+        _raise_for_domain_alone(readable, domain_source)
+        raise _input_error(
+            error, problem, problem_source, _domain_hint(domain, problem)
+        ) from error
+    for name, line in types_in_alternatives(domain):
+        if name != 'object' and name not in {item.name for item in model.user_types}:
+            raise InputError(domain_source, f'the type {name} is not declared', line)
+    return model
 
 
 def atom_text(atom: up.FNode) -> str:

@@ -26,18 +26,24 @@ _LINE = re.compile(
     rf'(?:\(\s*(?P<lisp>{_WORD}(?:\s+{_WORD})*)\s*\)'
     rf'|(?P<name>{_WORD})\s*\(\s*(?:(?P<arguments>{_WORD}(?:\s*,\s*{_WORD})*)\s*)?\)'
     rf'|(?P<bare>{_WORD}(?:[ \t]+{_WORD})*))'
-    r'(?:\s*\[[^\]]*\])?(?:\s*;.*)?',
+    r'(?:\s*\[(?P<lasting>[^\]]*)\])?(?:\s*;.*)?',
     re.IGNORECASE,
 )
+_LASTING = re.compile(rf'\s*(?:d\s*:\s*)?(?P<seconds>{_NUMBER})\s*(?:;.*)?', re.IGNORECASE)
 _HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\s*', re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Step:
-    """One action of a plan text: the words "name argument …" and the line (from 1)."""
+    """One action of a plan text: the words "name argument …" and the line (from 1).
+
+    `start` and `end` are when it goes on, where the text says so.
+    """
 
     words: tuple[str, ...]
     line: int
+    start: float | None = None
+    end: float | None = None
 
     @property
     def action(self) -> str:
@@ -54,12 +60,12 @@ def read_plan(text: str, source: str = 'plan') -> tuple[Step, ...]:
     text = text.removeprefix('\ufeff')
     if re.match(r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\b', text, re.IGNORECASE):
         raise InputError(source, 'this is a PDDL definition, but a plan is expected here', 1)
-    steps = list(_timed_steps(text, source))
-    timed = [step for start, step in steps if start is not None]
+    steps = list(_steps(text, source))
+    timed = [step for step in steps if step.start is not None]
     if timed and len(timed) < len(steps):
-        line = next(step.line for start, step in steps if start is None)
+        line = next(step.line for step in steps if step.start is None)
         raise InputError(source, 'this line has no start time, but others have', line)
-    return tuple(step for _, step in sorted(steps, key=lambda timed: timed[0] or 0.0))
+    return tuple(sorted(steps, key=lambda step: step.start or 0.0))
 
 
 def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> float:
@@ -70,8 +76,12 @@ def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> flo
     condition it lacks, or the goal that the plan does not reach.
     """
     plan = SequentialPlan([_action_instance(task, step, source) for step in steps])
+    kind = task.model.kind
+    kind.unset_initial_state('UNDEFINED_INITIAL_NUMERIC')  # it matters only if an action needs one
+    validator = SequentialPlanValidator()
+    validator.skip_checks = validator.supports(kind)
     try:
-        result = SequentialPlanValidator().validate(task.model, plan)
+        result = validator.validate(task.model, plan)
     except (UPException, NotImplementedError) as error:
         raise InputError(
             source,
@@ -93,8 +103,8 @@ def without_dummy(task: Task, steps: tuple[Step, ...]) -> tuple[Step, ...]:
     return steps
 
 
-def _timed_steps(text: str, source: str) -> Iterator[tuple[float | None, Step]]:
-    """Yield start time (None where the line has none) and step of every line with an action."""
+def _steps(text: str, source: str) -> Iterator[Step]:
+    """Yield the step of every line with an action."""
     in_up_plan = False
     for number, line in enumerate(text.splitlines(), start=1):
         content = line
@@ -112,7 +122,9 @@ def _timed_steps(text: str, source: str) -> Iterator[tuple[float | None, Step]]:
         if words is None:
             words = f'{found["name"]} {(found["arguments"] or "").replace(",", " ")}'
         start = None if found['start'] is None else float(found['start'])
-        yield start, Step(tuple(words.lower().split()), number)
+        lasting = _LASTING.fullmatch(found['lasting'] or '')
+        end = start + float(lasting['seconds']) if start is not None and lasting else None
+        yield Step(tuple(words.lower().split()), number, start, end)
 
 
 def _action_instance(task: Task, step: Step, source: str) -> ActionInstance:
@@ -166,8 +178,24 @@ def _failure(
     lacks = _conditions(missing) if missing else 'its effects contradict each other'
     return InputError(
         source,
-        f'{step.action} cannot be carried out as step {position + 1} of {len(steps)}: {lacks}',
+        f'{step.action} cannot be carried out as step {position + 1} of {len(steps)}: {lacks}'
+        f'{_concurrency(task, steps, position)}',
         step.line,
+    )
+
+
+def _concurrency(task: Task, steps: tuple[Step, ...], position: int) -> str:
+    """Remark that actions were to go on at the same time, "" if none were up to the position."""
+    start = steps[position].start
+    if not task.durative or start is None:
+        return ''
+    meanwhile = [step for step in steps[:position] if step.end is not None and step.end > start]
+    if not meanwhile:
+        return ''
+    return (
+        f'; the plan lets it begin while {meanwhile[0].action} still goes on, but actions with '
+        'durations can be explained only if they also work one after the other, in the order in '
+        'which they begin'
     )
 
 

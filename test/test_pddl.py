@@ -183,27 +183,6 @@ def test_a_problem_of_another_domain_that_does_not_fit_is_told_so() -> None:
     )
 
 
-def test_durative_actions_are_refused_by_name() -> None:
-    durative = """
-    (define (domain d)
-      (:requirements :strips :durative-actions)
-      (:predicates (p))
-      (:durative-action wait
-        :parameters ()
-        :duration (= ?duration 1)
-        :condition (at start (p))
-        :effect (at end (p))))
-    """
-
-    with pytest.raises(InputError) as refused:
-        read_task(durative, '(define (problem x) (:domain d) (:init (p)) (:goal (p)))')
-
-    assert str(refused.value) == (
-        'domain, line 5: it has durative actions (wait); '
-        'only actions without duration can be explained'
-    )
-
-
 @pytest.mark.parametrize(
     ('goal', 'expected'),
     [

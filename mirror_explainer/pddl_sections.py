@@ -1,0 +1,142 @@
+"""The sections of a PDDL text, found without reading it, and edits that keep its lines.
+
+For what unified-planning's reader refuses, or would misread, or names no line for.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mirror_explainer.errors import InputError
+
+# What may stand in a domain, but not for unified-planning's reader or its compiler.
+_REFUSED = {
+    ':derived': 'derived predicates (:derived)',
+    ':axiom': 'axioms (:axiom)',
+    ':process': 'processes (:process)',
+    ':event': 'events (:event)',
+    ':task': 'tasks to be broken down (:task)',
+    ':method': 'methods (:method)',
+}
+_EITHER = re.compile(r'\(\s*either\b([^()]*)\)', re.IGNORECASE)
+_TOTAL_TIME = re.compile(r':metric\s+minimize\s*\(?\s*total-time\s*\)?\s*\)', re.IGNORECASE)
+_COST_EFFECT = re.compile(r'\(\s*increase\s*\(\s*total-cost\s*\)', re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Section:
+    """One part of a definition: its keyword in lower case, and from where to where it goes."""
+
+    keyword: str
+    start: int
+    end: int
+
+
+def without_comments(text: str) -> str:
+    """Return the text with blanks for comments: every other character stays in its place."""
+    return re.sub(r';[^\n]*', lambda comment: ' ' * len(comment[0]), text)
+
+
+def sections(text: str) -> list[Section]:
+    """Return the parts of a definition, as far as its parentheses are balanced."""
+    plain, found, depth, start = without_comments(text), [], 0, 0
+    for parenthesis in re.finditer(r'[()]', plain):
+        if parenthesis[0] == '(':
+            depth += 1
+            if depth == 2:
+                start = parenthesis.start()
+        else:
+            depth -= 1
+            if depth == 1:
+                keyword = re.match(r'\(\s*([^\s()]*)', plain[start : start + 200])
+                assert keyword is not None  # it starts with a parenthesis
+                found.append(Section(keyword[1].lower(), start, parenthesis.end()))
+    return found
+
+
+def section(text: str, keyword: str) -> Section | None:
+    """Return the first section with the keyword, None if there is none."""
+    return next((part for part in sections(text) if part.keyword == keyword), None)
+
+
+def line_at(text: str, position: int) -> int:
+    """Return the line, from 1, of a position in the text."""
+    return text.count('\n', 0, position) + 1
+
+
+def blanked(text: str, start: int, end: int, instead: str = '') -> str:
+    """Return the text with something shorter instead of a piece, and its lines where they were."""
+    blanks = re.sub(r'\S', ' ', text[start:end])
+    if '\n' in blanks[: len(instead)] or len(instead) > len(blanks):
+        return text[:start] + instead + blanks + text[end:]
+    return text[:start] + instead + blanks[len(instead) :] + text[end:]
+
+
+def require_readable(domain: str, problem: str, domain_source: str, problem_source: str) -> None:
+    """Raise InputError for what unified-planning does not read, with its name and line."""
+    for part in sections(domain):
+        if part.keyword in _REFUSED:
+            raise InputError(
+                domain_source,
+                f'it has {_REFUSED[part.keyword]}, which unified-planning cannot read',
+                line_at(domain, part.start),
+            )
+    for text, source in (
+        (with_plain_predicates(domain), domain_source),
+        (problem, problem_source),
+    ):
+        found = _EITHER.search(without_comments(text))
+        if found:
+            raise InputError(
+                source,
+                f'"{found[0]}" is a type that unified-planning can read in :predicates only; '
+                'declare a common supertype instead',
+                line_at(text, found.start()),
+            )
+
+
+def with_plain_predicates(domain: str) -> str:
+    """Return the domain with the type object for every (either …) in :predicates.
+
+    Predicates then take more than declared; what actions can do stays the same,
+    since the types of their own parameters decide on that.
+    """
+    for found, _ in reversed([*_alternatives(domain)]):
+        domain = blanked(domain, found.start(), found.end(), 'object')
+    return domain
+
+
+def types_in_alternatives(domain: str) -> Iterator[tuple[str, int]]:
+    """Yield each type that an (either …) in :predicates names, in lower case, with its line."""
+    for found, line in _alternatives(domain):
+        for name in found[1].lower().split():
+            yield name, line
+
+
+def _alternatives(domain: str) -> Iterator[tuple[re.Match[str], int]]:
+    predicates = section(domain, ':predicates')
+    if predicates:
+        plain = without_comments(domain)
+        for found in _EITHER.finditer(plain, predicates.start, predicates.end):
+            yield found, line_at(domain, found.start())
+
+
+def without_total_time(problem: str) -> str:
+    """Return the problem without a metric that asks for the least total time."""
+    metric = section(problem, ':metric')
+    if metric and _TOTAL_TIME.search(without_comments(problem)[metric.start : metric.end]):
+        return blanked(problem, metric.start, metric.end)
+    return problem
+
+
+def without_costs(domain: str) -> str:
+    """Return the domain with an empty effect for every one that raises the total cost."""
+    plain = without_comments(domain)
+    for found in _COST_EFFECT.finditer(plain):
+        depth = 0
+        for parenthesis in re.compile(r'[()]').finditer(plain, found.start()):
+            depth += 1 if parenthesis[0] == '(' else -1
+            if depth == 0:
+                domain = blanked(domain, found.start(), parenthesis.end(), '(and)')
+                break
+    return domain
