@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from mirror_explainer.branch_and_bound import TIE
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
 from mirror_explainer.mirror_model import Evidence, MirrorModel, mirror_model
 from mirror_explainer.pddl import Task
@@ -17,7 +18,6 @@ from mirror_explainer.plan_text import check_plan, read_plan, without_dummy
 from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status
 from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import (
-    TIE,
     Selection,
     decreasing,
     increasing,
@@ -161,7 +161,7 @@ def prepare(
     planner: Planner,
     *,
     max_beliefs: int = 1024,
-    plans_per_belief: int = 1,
+    plans_per_belief: int = 300,
     deadline: float | None = None,
     cancelled: threading.Event | None = None,
     progress: Callable[[int, int], None] | None = None,

@@ -110,7 +110,7 @@ class ExplainerNode(Node):
                 ('strategy', 'informative', text(f'one of {", ".join(STRATEGIES)}')),
                 ('remember', False, text('whether each answer conditions the next')),
                 ('planner', 'fast-downward-opt', text("a unified-planning engine's name", True)),
-                ('plans_per_belief', 1, count('plans to find for each belief', 1, 10_000)),
+                ('plans_per_belief', 300, count('optimal plans of a belief, at most', 1, 10_000)),
                 ('max_beliefs', 1024, count('most probable beliefs to plan for', 1, 1_000_000)),
                 ('planning_timeout', 10.0, number('s, for each belief', 1e-3, 1e6, True)),
                 ('deadline', 60.0, number('s, for the planning of a whole update', 1e-3, 1e6)),

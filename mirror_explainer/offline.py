@@ -33,7 +33,7 @@ def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
         '--planner', default='fast-downward-opt', metavar='ENGINE',
         help="unified-planning's name of the engine (default fast-downward-opt)",
     )  # fmt: skip
-    planning.add_argument('--plans-per-belief', type=positive, default=1, metavar='K')
+    planning.add_argument('--plans-per-belief', type=positive, default=300, metavar='K')
     planning.add_argument('--max-beliefs', type=positive, default=1024, metavar='M')
     planning.add_argument(
         '--planning-timeout', type=seconds, default=10.0, metavar='S', help='per belief'

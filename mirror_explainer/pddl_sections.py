@@ -101,8 +101,20 @@ def with_plain_predicates(domain: str) -> str:
     Predicates then take more than declared; what actions can do stays the same,
     since the types of their own parameters decide on that.
     """
-    for found, _ in reversed([*_alternatives(domain)]):
+    alternatives = [found for found, _ in _alternatives(domain)]
+    for found in reversed(alternatives):
         domain = blanked(domain, found.start(), found.end(), 'object')
+    types = section(domain, ':types') if alternatives else None
+    if types:
+        # A type that is declared as a supertype only is, for unified-planning, no object.
+        words = without_comments(domain)[types.start : types.end].lower().strip('()').split()[1:]
+        supertypes = {word for dash, word in zip(words, words[1:], strict=False) if dash == '-'}
+        declared = {
+            word for before, word in zip(['', *words], words, strict=False) if before != '-'
+        }
+        roots = ' '.join(sorted(supertypes - declared - {'object'}))
+        if roots:
+            domain = f'{domain[: types.end - 1]} {roots} - object{domain[types.end - 1 :]}'
     return domain
 
 

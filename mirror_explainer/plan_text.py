@@ -83,6 +83,11 @@ def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> flo
     try:
         result = validator.validate(task.model, plan)
     except (UPException, NotImplementedError) as error:
+        missing = re.search(r'does not have a value for the value (.+)', str(error))
+        if missing:
+            raise InputError(
+                source, f'the problem gives no value for {missing[1]}, which the plan needs'
+            ) from error
         raise InputError(
             source,
             'the plan cannot be checked: the problem may use more of PDDL than actions without '

@@ -46,7 +46,7 @@ class Inputs:
     user_model_file: str = ''
     user_model_revision: object = None
     max_beliefs: int = 1024
-    plans_per_belief: int = 1
+    plans_per_belief: int = 300
     deadline: float | None = None
 
     @property

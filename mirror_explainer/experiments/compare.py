@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from mirror_explainer.branch_and_bound import TIE
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.extras import MissingExtras, require_extras
 from mirror_explainer.explainer import STRATEGIES
@@ -22,7 +23,7 @@ from mirror_explainer.offline import (
     seconds,
     strategy_curves,
 )
-from mirror_explainer.selection import TIE, informative_order
+from mirror_explainer.selection import informative_order
 
 # How sure of the goal the listener should be; 0.85 is the paper's headline.
 LEVELS = (0.5, 0.85, 0.95)

@@ -14,6 +14,7 @@ from random import Random
 
 import numpy as np
 
+from mirror_explainer.branch_and_bound import TIE
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.ground_actions import distances_to_goal, ground_action
 from mirror_explainer.experiments.pucrs_dataset import Location, RecognitionProblem
@@ -21,7 +22,7 @@ from mirror_explainer.explainer import Preparation, prepare
 from mirror_explainer.mirror_model import Evidence, MirrorModel
 from mirror_explainer.pddl import Task, atom_text, conjuncts, goal_expression, read_task
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
-from mirror_explainer.selection import TIE, Selection, curve, decreasing, increasing
+from mirror_explainer.selection import Selection, curve, decreasing, increasing
 from mirror_explainer.user_model import CandidateGoal, UserModel
 
 GOALS, UNCERTAIN_FACTS, FACT_PROBABILITY = 4, 4, 0.5

@@ -6,7 +6,7 @@ optimal plans (`flagged_task.py`), and from these the plans are put together
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
@@ -22,13 +22,15 @@ from mirror_explainer.planning.superset_walk import Node, SupersetWalk
 class Alternative:
     """A solved node of the walk, and what is known of its optimal plans.
 
-    `plan` is one of them, `cost` what it costs with no free actions. `seen` are
-    the names of their operators as far as known, all of them when `complete`.
+    `plan` is one of them, `cost` what it costs with no free actions, `found` all
+    that searches met, by their sorted actions. `seen` are the names of their
+    operators as far as known, all of them when `complete`.
     """
 
     node: Node
     plan: tuple[str, ...]
     cost: int | None = None
+    found: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
     seen: set[str] = field(default_factory=set)
     complete: bool = False
     result: OptimalPlans | None = None
@@ -46,12 +48,16 @@ class Alternatives:
     """Finds up to `most` optimal plans, up to order, for each node that the walk has solved."""
 
     required = False
+    provisional = False
+    # Most of these searches succeed, and LM-cut alone is the quicker one then.
+    first_try = 1.0
 
     def __init__(self, walk: SupersetWalk, most: int) -> None:
         self._walk = walk
         self._most = most
         self.ready: deque[Alternative] = deque()
         task = with_positive_costs(walk.task)
+        self._left_alone = [node for node, plan in walk.optimal() if task is None or not plan]
         if task is None:
             return
         self._task = task
@@ -70,6 +76,11 @@ class Alternatives:
             if not self._free_actions:
                 self._take_in(alternative, alternative.plan)
         self.ready.extend(a for a in found.values() if not a.open_parents)
+
+    def settled(self) -> Iterator[tuple[Sequence[Belief], BeliefPlans]]:
+        """Yield the beliefs whose one plan will stay the only one, with their result."""
+        for node in self._left_alone:
+            yield node.members, self._walk.result(node, Finding(node.plan), '')
 
     def known(self, subject: Alternative) -> Finding | None:
         """Return a plan if no search is needed, since more facts had the same optimal cost."""
@@ -109,12 +120,16 @@ class Alternatives:
             return
         subject.complete = finding is not None and finding.optimal
         if subject.cost is not None:
-            subject.result = self._inherited(subject) or optimal_plans(
-                [o for o in self._task.operators if o.name in subject.seen],
-                subject.node.state,
-                self._walk.goal(subject.node),
-                subject.plan,
-                self._most,
+            subject.result = (
+                self._inherited(subject)
+                or optimal_plans(
+                    [o for o in self._task.operators if o.name in subject.seen],
+                    subject.node.state,
+                    self._walk.goal(subject.node),
+                    subject.plan,
+                    self._most,
+                )
+                or OptimalPlans(tuple(subject.found.values())[: self._most], all=False)
             )
         for child in subject.children:
             child.open_parents -= 1
@@ -149,6 +164,7 @@ class Alternatives:
 
     def _take_in(self, subject: Alternative, plan: tuple[str, ...]) -> None:
         subject.plan = plan
+        subject.found[tuple(sorted(plan))] = plan
         subject.cost = self._cost(plan)
         subject.seen.update(plan)
 

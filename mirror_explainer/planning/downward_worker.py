@@ -49,6 +49,8 @@ class DownwardWorker:
             if finished and ask.plans_per_belief > 1:
                 walks = [walk for walk in subjects if isinstance(walk, SupersetWalk)]
                 others = [Alternatives(walk, ask.plans_per_belief) for walk in walks]
+                for beliefs, result in (pair for other in others for pair in other.settled()):
+                    report(beliefs, Attempt(result))
                 searches.run(others, self._parent.fileno(), self._stopped)
         except (Exception, SystemExit) as error:  # whatever the translator may raise
             return Unfitting(f'{type(error).__name__}: {error}')
@@ -68,7 +70,7 @@ class DownwardWorker:
         alone = [b for b in ask.beliefs if b.goal in grounding.hard_goals]
         initial = translator.initial_atoms(lists)
         return [
-            SupersetWalk(grounding, initial, together, lists.scale),
+            SupersetWalk(grounding, initial, together, lists.scale, ask.plans_per_belief > 1),
             Translations(lists, ask.space, alone),
         ], way
 

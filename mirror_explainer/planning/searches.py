@@ -20,9 +20,6 @@ from mirror_explainer.planning.subject import Finding, Subjects
 _RESERVE = 0.25
 _LONGEST_RESERVE = 5.0
 
-# How long an optimal search may take when another is left to try, in seconds.
-_FIRST_TRY = 0.1
-
 _NEAR = 'the deadline was near'
 
 Report = Callable[[Sequence[Belief], Attempt], None]
@@ -137,12 +134,13 @@ class Searches:
         job = self._running[search]
         seconds = self._ask.planning_timeout
         if self._has_next(job):
-            seconds = _FIRST_TRY
+            seconds = job.subjects.first_try
         return min(search.since + seconds, self._end if job.reason else self._hurry)
 
     def _has_next(self, job: _Job) -> bool:
         """Say whether a job's search is a first try, to be followed by another."""
-        return not job.reason and len(job.left) > 1 and self._ask.planning_timeout > _FIRST_TRY
+        patient = self._ask.planning_timeout > job.subjects.first_try
+        return not job.reason and len(job.left) > 1 and patient
 
     def _leave(self, selector: selectors.BaseSelector, search: Search) -> None:
         selector.unregister(search)
@@ -191,7 +189,9 @@ class Searches:
         reason = '' if finding.optimal else f'a plan that stands in: {job.reason}'
         result = job.subjects.result(job.subject, finding, reason)
         if result is not None:
-            self._report(job.subject.members, Attempt(result, lasting=job.reason != _NEAR))
+            provisional = job.subjects.provisional and finding.optimal and finding.plan is not None
+            lasting = not provisional and job.reason != _NEAR
+            self._report(job.subject.members, Attempt(result, lasting=lasting))
 
     def _give_up(self, job: _Job, attempt: Attempt) -> None:
         job.subjects.settle(job.subject, None)

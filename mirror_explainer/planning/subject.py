@@ -36,11 +36,15 @@ class Subject(Protocol):
 class Subjects(Protocol):
     """The tasks to plan for. Those in `ready` may be planned for now, in this order.
 
-    `required` says that beliefs depend on these for any result at all.
+    `required` says that beliefs depend on these for any result at all;
+    `provisional` that their optimal plans will be joined by others. `first_try` is
+    how many seconds an optimal search may take when there is another left to try.
     """
 
     ready: deque[Any]
     required: bool
+    provisional: bool
+    first_try: float
 
     def known(self, subject: Any) -> Finding | None:
         """Return what is known of a ready subject without a search, None if nothing."""

@@ -41,11 +41,13 @@ class Node:
 class SupersetWalk:
     """The distinct tasks of some beliefs, the plans known for them, and what follows.
 
-    `initial` has the problem's initial atoms, costs are divided by `scale`.
+    `initial` has the problem's initial atoms, costs are divided by `scale`;
+    `provisional` says that other optimal plans will be looked for afterwards.
     `ready` has the nodes whose parents, which have more facts, are settled.
     """
 
     required = True
+    first_try = 0.1
 
     def __init__(
         self,
@@ -53,7 +55,9 @@ class SupersetWalk:
         initial: frozenset[str],
         beliefs: Sequence[Belief],
         scale: int,
+        provisional: bool,
     ) -> None:
+        self.provisional = provisional
         self._scale = scale
         self.task = grounding.task
         self._goals = grounding.goals

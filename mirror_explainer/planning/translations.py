@@ -24,6 +24,8 @@ class Translations:
     """The beliefs to translate and plan for, one after another."""
 
     required = True
+    provisional = False
+    first_try = 0.1
 
     def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
         self._lists = lists
