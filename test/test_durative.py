@@ -10,7 +10,7 @@ import pytest
 from unified_planning.engines import UPSequentialSimulator
 from unified_planning.exceptions import UPInvalidActionError
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import Preparation, explain, prepare, robot_plan
 from mirror_explainer.pddl import Task, atom_text, fluent_expression, ground_text, read_task
 from mirror_explainer.planning import Planner
@@ -222,6 +222,42 @@ def test_a_duration_that_is_given_where_it_is_needed_only_is_enough(prepared: Ex
     assert costs(preparation)['(robot_at leia problem)', ('(battery_full leia)',)] == 10.0
 
 
+def test_a_duration_that_is_not_given_where_it_is_needed_is_named() -> None:
+    domain = DOMAIN.replace('(/ (distance ?r1 ?r2) (speed ?r))', '(distance ?r1 ?r2)')
+    task = read_task(domain, PROBLEM.replace('( = ( distance problem at ) 3.2500000000 )', ''))
+
+    with pytest.raises(InputError) as refused:
+        robot_plan(task, TIMED_PLAN)
+
+    assert str(refused.value) == (
+        'plan: the problem gives no value for distance(problem, at), which the plan needs'
+    )
+
+
+@pytest.mark.parametrize(
+    'effect',
+    [
+        '(and (when (at start (connected ?ro problem)) (at start (battery_full ?r))) '
+        '(at end (start ?ro)))',
+        '(and (when (at end (connected ?ro problem)) (at end (battery_full ?r))) '
+        '(at start (start ?ro)))',
+    ],
+    ids=['at start', 'at end'],
+)
+def test_conditional_effects_of_durative_actions_are_taken_into_account(
+    prepared: Explainer, effect: str
+) -> None:
+    domain = DOMAIN.replace('(at end (battery_full ?r))', effect).replace(
+        '(:predicates', '(:constants Problem - room)\n(:predicates'
+    )
+    problem = PROBLEM.replace('Kitchen Problem at', 'Kitchen at')
+
+    assert prepared(read_task(domain, problem), None, USER_MODEL).model.plan.cost == 32.0
+    unconnected = problem.replace('( connected kitchen problem )', '')
+    with pytest.raises(PlanningError, match="the robot's own goal cannot be reached"):
+        prepared(read_task(domain, unconnected), None, USER_MODEL)
+
+
 TWO_ROBOTS = PROBLEM.replace('Leia - robot', 'Leia Luke - robot').replace(
     '( robot_at leia Kitchen )',
     '(robot_at leia kitchen) (robot_at luke kitchen) (battery_full luke) (= (speed luke) 1)',
@@ -423,6 +459,22 @@ def test_a_compiled_action_does_what_the_durative_one_does_when_alone() -> None:
                 assert found == expected, f'{domain} from {held} with {x} {y}'
                 compared += 1
     assert compared > 500
+
+
+def test_whatever_is_cut_out_of_the_texts_only_input_errors_of_one_line_escape() -> None:
+    random = Random(3)
+    pieces = ['', '(', ')', '?duration', '(at start', '(at 5 (start at))', '#t', '(either robot)']
+    for _ in range(60):
+        texts = [DOMAIN, PROBLEM]
+        which = random.randint(0, 1)
+        place, length = random.randrange(len(texts[which])), random.choice([1, 5, 40])
+        texts[which] = (
+            texts[which][:place] + random.choice(pieces) + texts[which][place + length :]
+        )
+        try:
+            read_task(*texts)
+        except InputError as error:
+            assert len(str(error).splitlines()) == 1
 
 
 def random_literal(random: Random) -> tuple[str, bool]:

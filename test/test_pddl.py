@@ -183,6 +183,60 @@ def test_a_problem_of_another_domain_that_does_not_fit_is_told_so() -> None:
     )
 
 
+EITHER = DOMAIN.replace('(lit ?l - lamp)', '(lit ?l - (either lamp\n switch))')
+
+
+def test_one_of_several_types_in_a_predicate_keeps_every_text_and_line() -> None:
+    task = read_task(EITHER, PROBLEM.replace('(power)', '(power) (lit s1)'))
+
+    assert task.domain == EITHER
+    assert '(lit s1)' in task.initial_facts
+    with pytest.raises(InputError, match='^domain, line 9: '):
+        read_task(EITHER.replace('(power))\n    :eff', '(powr))\n    :eff'), PROBLEM)
+
+
+UNREADABLE = {
+    'either in parameters': (
+        ('(?s - switch ?l - lamp)\n', '(?s - (either switch lamp) ?l - lamp)\n'),
+        'domain, line 7: "(either switch lamp)" is a type that unified-planning can read in '
+        ':predicates only; declare a common supertype instead',
+    ),
+    'either of an unknown type': (
+        ('(lit ?l - lamp)', '(lit ?l - (either lamp\n bulb))'),
+        'domain, line 5: the type bulb is not declared',
+    ),
+    'derived predicates': (
+        ('  (:action', '  (:derived (power) (exists (?l - lamp) (lit ?l)))\n  (:action'),
+        'domain, line 6: it has derived predicates (:derived), which unified-planning cannot read',
+    ),
+}
+
+
+@pytest.mark.parametrize(('change', 'said'), UNREADABLE.values(), ids=UNREADABLE)
+def test_what_unified_planning_cannot_read_is_named_with_its_line(
+    change: tuple[str, str], said: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        read_task(DOMAIN.replace(*change, 1), PROBLEM)
+
+    assert str(refused.value) == said
+
+
+def test_objects_of_one_of_several_types_are_refused_with_their_line() -> None:
+    with pytest.raises(InputError, match=r'^problem, line 4: "\(either lamp switch\)" is a type'):
+        read_task(DOMAIN, PROBLEM.replace('- lamp', '- (either lamp switch)'))
+
+
+def test_the_least_total_time_is_no_metric_where_nothing_takes_time() -> None:
+    timed = PROBLEM.replace('(lit l1)))', '(lit l1))\n  (:metric MINIMIZE\n ( total-time )))')
+
+    task = read_task(DOMAIN, timed)
+
+    assert task.model.quality_metrics == []
+    assert task.problem.count('\n') == timed.count('\n')
+    assert 'total-time' not in task.problem
+
+
 @pytest.mark.parametrize(
     ('goal', 'expected'),
     [

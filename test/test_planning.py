@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 
 from mirror_explainer.errors import Cancelled, InputError, PlanningError
+from mirror_explainer.explainer import robot_plan
+from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
 from mirror_explainer.planning.downward import find_downward
 from pddl_cases import (
@@ -315,7 +317,10 @@ def test_a_step_of_the_robot_keeps_the_grounding() -> None:
         ways = [planner.plan(each, beliefs) for each in (space, stepped, moved, space)]
 
     assert [report.way for report in ways] == [
-        'grounded once', 'grounding kept', 'grounded once', 'grounded once'
+        'grounded once',
+        'grounding kept',
+        'grounded once',
+        'grounded once',
     ]
     # center, doors, red room, grab; recharge, right, exit on the way
     assert [result.plans[0].cost for result in ways[0].results] == [4, 4, 3]
@@ -498,3 +503,106 @@ def test_goals_of_every_shape_are_planned_for() -> None:
 
     # exit; move; center, doors, a room, grab; nothing; exit
     assert [result.plans[0].cost for result in report.results] == [1, 1, 4, 0, 1]
+
+
+def tour(domain: list[tuple[str, str]], problem: list[tuple[str, str]] | None = None):
+    """Return a robot's domain and problem with some pieces replaced."""
+    texts = [TOUR_DOMAIN, TOUR_PROBLEM]
+    for index, changes in enumerate([domain, problem or []]):
+        for old, new in changes:
+            assert old in texts[index]
+            texts[index] = texts[index].replace(old, new)
+    return texts
+
+
+TOUR_DOMAIN = """
+(define (domain tour)
+  (:requirements :adl :typing :action-costs)
+  (:types room robot)
+  (:constants hall - room)
+  (:predicates (at ?r - room) (door ?x ?y - room) (locked ?y - room) (key) (seen ?t - room))
+  (:functions (total-cost))
+  (:action go :parameters (?x ?y - room)
+    :precondition (and (at ?x) (door ?x ?y) (not (locked ?y)))
+    :effect (and (at ?y) (not (at ?x)) (increase (total-cost) 2)))
+  (:action unlock :parameters (?y - room)
+    :precondition (and (at hall) (key))
+    :effect (and (not (locked ?y)) (increase (total-cost) 1)))
+  (:action look :parameters (?x - room)
+    :precondition (at ?x)
+    :effect (and (seen ?x) (increase (total-cost) 1))))
+"""
+TOUR_PROBLEM = """
+(define (problem museum) (:domain tour)
+  (:objects gallery cellar - room)
+  (:init (at hall) (door hall gallery) (door gallery cellar) (door hall cellar)
+         (locked cellar) (= (total-cost) 0))
+  (:goal (at gallery))
+  (:metric minimize (total-cost)))
+"""
+NO_METRIC = ('(:metric minimize (total-cost))', '')
+FEATURES = {
+    # What is changed in domain and problem; the cost of seeing the cellar without and with a key.
+    'constants and negative conditions': (tour([]), None, 4.0),
+    'conditional effects': (
+        tour([(':effect (and (seen ?x)', ':effect (and (when (not (locked ?x)) (seen ?x))')]),
+        None,
+        4.0,
+    ),
+    'disjunctions and quantifiers': (
+        tour(
+            [
+                ('(not (locked ?y)))', '(or (not (locked ?y)) (key)))'),
+                (':precondition (at ?x)', ':precondition (exists (?z - room) (and (at ?x)))'),
+            ]
+        ),
+        None,
+        3.0,
+    ),
+    'decimal costs': (tour([('(total-cost) 2)', '(total-cost) 0.125)')]), None, 2.125),
+    'costs from a function': (
+        tour(
+            [
+                ('(total-cost))\n', '(total-cost) - number (far ?x ?y - room) - number)\n'),
+                ('(total-cost) 2)', '(total-cost) (far ?x ?y))'),
+            ],
+            [('(= (total', '(= (far hall cellar) 4.5) (= (far hall gallery) 1) (= (total')],
+        ),
+        None,
+        6.5,
+    ),
+    'no metric': (tour([], [NO_METRIC]), None, 3.0),
+    'total time without durations': (
+        tour([], [('(total-cost)))', '(total-time)))')]),
+        None,
+        3.0,
+    ),
+    'one of several types in a predicate': (
+        tour(
+            [('(seen ?t - room)', '(seen ?t - (either room\n robot))')],
+            [('- room', '- room r2 - robot'), ('(locked', '(seen r2) (locked')],
+        ),
+        None,
+        4.0,
+    ),
+}
+
+
+@pytest.mark.parametrize(('texts', 'without', 'with_key'), FEATURES.values(), ids=FEATURES)
+def test_what_robots_send_is_planned_for(
+    texts: list[str], without: float | None, with_key: float
+) -> None:
+    task = read_task(*texts)
+    space = BeliefSpace(task.domain, task.problem, ('(seen cellar)',), ('(key)',))
+
+    with Planner() as planner:
+        results = planner.plan(space, [Belief(0), Belief(0, frozenset(['(key)']))]).results
+
+    costs = [result.plans[0].cost if result.plans else None for result in results]
+    assert costs == [without, with_key]
+    assert results[0].status is Status.UNSOLVABLE
+    plan = '\n'.join(results[1].plans[0].actions)
+    held = read_task(
+        task.domain, task.problem.replace(':init', ':init (key)').replace('(at gallery)', '(and)')
+    )
+    assert robot_plan(held, plan).cost == with_key
