@@ -152,3 +152,11 @@ def without_costs(domain: str) -> str:
                 domain = blanked(domain, found.start(), parenthesis.end(), '(and)')
                 break
     return domain
+
+
+def without_values(problem: str, function: str) -> str:
+    """Return the problem without the initial values of a function."""
+    value = rf'\(\s*=\s*\(\s*{re.escape(function)}(?![^\s()])[^()]*\)[^()]*\)'
+    for found in re.finditer(value, without_comments(problem), re.IGNORECASE):
+        problem = blanked(problem, found.start(), found.end())
+    return problem

@@ -180,7 +180,10 @@ def _failure(
         for condition in conjuncts(precondition)
         if not evaluator.evaluate(condition.substitute(bound), state).is_true()
     ]
-    lacks = _conditions(missing) if missing else 'its effects contradict each other'
+    if any(condition.is_false() for condition in missing):
+        lacks = 'its conditions contradict each other'
+    else:
+        lacks = _conditions(missing) if missing else 'its effects contradict each other'
     return InputError(
         source,
         f'{step.action} cannot be carried out as step {position + 1} of {len(steps)}: {lacks}'

@@ -10,7 +10,7 @@ import itertools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from decimal import Decimal, localcontext
+from decimal import Decimal
 from fractions import Fraction
 
 import unified_planning.model as up
@@ -21,9 +21,17 @@ from unified_planning.io.pddl_writer import ConverterToPDDLString
 from unified_planning.model.metrics import MinimizeActionCosts, MinimizeSequentialPlanLength
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.pddl_sections import line_at, section, sections, without_comments
+from mirror_explainer.pddl_sections import (
+    line_at,
+    section,
+    sections,
+    without_comments,
+    without_values,
+)
 
 _DURATIVE = ':durative-action'
+# Planners add up integers: larger ones are taken less finely.
+_LARGEST = 1_000_000
 _ANOTHER_WAY = 'so it cannot be taken as an action that happens at once'
 
 
@@ -99,6 +107,8 @@ def sequential_texts(
     }
     for name, (start, end) in reversed(places.items()):
         domain = domain[:start] + new_texts[name] + domain[end:]
+    for name in costs.idle(compiled):
+        problem = without_values(problem, name)
     return _with_functions(domain, costs), _with_costs(problem, costs)
 
 
@@ -282,6 +292,7 @@ class _Costs:
         self._converter = _converter(model)
         self.by_duration = not model.quality_metrics
         self.tables: list[_Table] = []
+        self._kept: set[str] = set()
 
     def of(self, action: up.DurativeAction) -> str:
         """Return the cost's PDDL text, "" for no cost."""
@@ -303,11 +314,40 @@ class _Costs:
             )
         if cost.is_constant():
             return self._number(action, Fraction(cost.constant_value()))
-        if cost.is_fluent_exp():
+        if cost.is_fluent_exp() and not (self.by_duration and self._is_finer(cost.fluent())):
+            self._kept.add(cost.fluent().name)
             return str(self._converter.convert(cost))
         table = self._table(action, cost)
         self.tables.append(table)
         return f'({" ".join([table.name, *(f"?{p.name}" for p in table.parameters)])})'
+
+    def _is_finer(self, function: up.Fluent) -> bool:
+        """Say whether the function has values with more than three decimals."""
+        return any(
+            Fraction(value.constant_value()) * 1000 % 1
+            for atom, value in self._model.explicit_initial_values.items()
+            if atom.fluent() == function
+        )
+
+    def idle(self, compiled: up.Problem) -> set[str]:
+        """Return the functions that nothing depends on any more."""
+        extractor = compiled.environment.free_vars_extractor
+        needed = [*compiled.goals]
+        for action in compiled.actions:
+            needed += action.preconditions
+            for effect in action.effects:
+                needed += [effect.fluent, effect.value, effect.condition]
+        used = {atom.fluent().name for e in needed for atom in extractor.get(e)} | self._kept
+        numbers = {f.name for f in compiled.fluents if not f.type.is_bool_type()}
+        return numbers - used if self.by_duration else set()
+
+    def values(self) -> Iterator[str]:
+        """Yield the values of the functions made up, for a problem's initial state."""
+        most = max((n for table in self.tables for n in table.values.values()), default=0)
+        digits = next((d for d in (3, 2, 1) if most * 10**d <= _LARGEST), 0)
+        for table in self.tables:
+            for names, number in table.values.items():
+                yield f'(= ({" ".join([table.name, *names])}) {number_text(number, digits)})'
 
     def _table(self, action: up.DurativeAction, cost: up.FNode) -> _Table:
         """Work the expression out for all objects that it may be about."""
@@ -348,24 +388,20 @@ class _Costs:
     def _number(self, action: up.DurativeAction, number: Fraction) -> str:
         if number < 0:
             raise self._refusal(action, 'takes a time below zero')
-        return number_text(number)
+        if not self.by_duration:
+            return str(Decimal(number.numerator) / Decimal(number.denominator))
+        return number_text(number, 3)
 
     def _refusal(self, action: up.DurativeAction, reason: str) -> InputError:
         return InputError(self._source, f'"{action.name}" {reason}', self._lines.get(action.name))
 
 
-def number_text(number: Fraction) -> str:
-    """Return a number in decimals: exactly where that is possible, else to a thousandth."""
-    odd = number.denominator
-    for factor in (2, 5):
-        while odd % factor == 0:
-            odd //= factor
-    if odd > 1:
-        number = Fraction(round(number * 1000), 1000)
-    with localcontext() as context:
-        context.prec = 100
-        text = format(Decimal(number.numerator) / Decimal(number.denominator), 'f')
-    return text
+def number_text(number: Fraction, digits: int) -> str:
+    """Return a number with at most so many decimals, exactly where they are enough."""
+    rounded = Fraction(round(number * 10**digits), 10**digits)
+    whole, rest = divmod(rounded, 1)
+    decimals = str(int(rest * 10**digits)).zfill(digits).rstrip('0')
+    return f'{whole}.{decimals}' if decimals else str(whole)
 
 
 def _converter(model: up.Problem) -> ConverterToPDDLString:
@@ -431,11 +467,7 @@ def _with_costs(problem: str, costs: _Costs) -> str:
     if costs.by_duration:
         end = problem.rindex(')', 0, len(without_comments(problem).rstrip()))
         problem = f'{problem[:end]}(:metric minimize (total-cost))\n{problem[end:]}'
-    values = [
-        f'(= ({" ".join([table.name, *names])}) {number_text(number)})'
-        for table in costs.tables
-        for names, number in table.values.items()
-    ]
+    values = [*costs.values()]
     init = section(problem, ':init')
     assert init is not None  # the reader asks for one
     plain = without_comments(problem)

@@ -213,6 +213,24 @@ def test_a_duration_without_finite_decimals_is_taken_to_a_thousandth() -> None:
     assert robot_plan(task, TIMED_PLAN).cost == pytest.approx(5.5 + 33.333 + 10.833)
 
 
+def test_durations_with_all_the_digits_of_a_measurement_are_taken_to_a_thousandth(
+    prepared: Explainer,
+) -> None:
+    domain = DOMAIN.replace('(/ (distance ?r1 ?r2) (speed ?r))', '(distance ?r1 ?r2)')
+    problem = PROBLEM.replace('10.0000000000', '9.8765432109').replace('14.000', '140.123')
+
+    preparation = prepared(read_task(domain, problem), None, USER_MODEL)
+
+    assert preparation.model.plan.cost == pytest.approx(5.5 + 9.877 + 3.25)
+
+
+def test_an_action_whose_start_undoes_what_it_needs_cannot_be_carried_out() -> None:
+    domain = DOMAIN.replace('(over all(battery_full ?r))', '(over all (robot_at ?r ?r1))')
+
+    with pytest.raises(InputError, match='step 2 of 3: its conditions contradict each other$'):
+        robot_plan(read_task(domain, PROBLEM), TIMED_PLAN)
+
+
 def test_a_duration_that_is_given_where_it_is_needed_only_is_enough(prepared: Explainer) -> None:
     domain = DOMAIN.replace('(/ (distance ?r1 ?r2) (speed ?r))', '(distance ?r1 ?r2)')
 
