@@ -92,7 +92,7 @@ class Explanation:
             'sentences': list(self.sentences),
             'positions': positions,
             'actions': [model.plan.actions[position] for position in positions],
-            'information_gain': self.selection.information_gain,
+            'information_gain': self.selection.information_gain + 0.0,  # no -0.0
             'cross_entropy_before': model.cross_entropy(self.said),
             'cross_entropy_after': model.cross_entropy(heard),
             'understanding_before': model.understanding(self.said),

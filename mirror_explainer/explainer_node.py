@@ -1,10 +1,8 @@
 """The ROS 2 node: hears the robot's problem and plan, and says what it is up to when asked."""
 
-import json
 import os
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -25,7 +23,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from mirror_explainer.explainer import STRATEGIES, Explanation, Preparation, explain
+from mirror_explainer.answers import Answers, printable
+from mirror_explainer.explainer import STRATEGIES, Preparation
 from mirror_explainer.planning import Planner
 from mirror_explainer.updates import Inputs, Phase, State, Text, Updates
 
@@ -46,11 +45,12 @@ class ExplainerNode(Node):
 
     def __init__(self) -> None:
         super().__init__('mirror_explainer')
+        self.add_on_set_parameters_callback(self._check_parameters)
         self._declare_parameters()
         self._inputs = Inputs()
         self._inputs_lock = threading.Lock()
-        self._seen: deque[tuple[str, int]] = deque(maxlen=64)
-        self._answers = _Answers()
+        self._last_message: dict[str, int] = {}
+        self._answers = Answers(self._publish_answer)
         self._waiting = threading.Semaphore(MOST_WAITING_CALLS)
         self._last_error = ''
 
@@ -70,12 +70,14 @@ class ExplainerNode(Node):
                     self._input_callback(name),
                     qos,
                     callback_group=in_order,
-                    event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+                    # Only what the volatile one can't hear is not heard: warn of that.
+                    event_callbacks=SubscriptionEventCallbacks(
+                        use_default_callbacks=qos is VOLATILE
+                    ),
                 )
         self.create_service(Trigger, 'verbalize_plan', self._verbalize, callback_group=at_once)
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
         self.create_timer(1.0, self._each_second, callback_group=in_order)
-        self.add_on_set_parameters_callback(self._check_parameters)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._submit()
 
@@ -93,32 +95,31 @@ class ExplainerNode(Node):
         )
 
     def _declare_parameters(self) -> None:
-        text, number, count = _described, _in_range, _counted
         self.declare_parameters(
             '',
             [
-                ('domain_file', '', text('PDDL domain; a message on "domain" replaces it', True)),
-                ('user_model_file', '', text('YAML: what the listener may believe')),
-                ('n', 3, count('how many sentences an answer has at most', 0, 1000)),
+                ('domain_file', '', _text('PDDL domain; a message on "domain" replaces it', True)),
+                ('user_model_file', '', _text('YAML: what the listener may believe')),
+                ('n', 3, _count('how many sentences an answer has at most', 1, 1000)),
                 (
                     'threshold',
                     0.0,
-                    number(
+                    _number(
                         'say only as many as bring the cross-entropy below this (nats)', 0, 1e3
                     ),
                 ),
-                ('strategy', 'informative', text(f'one of {", ".join(STRATEGIES)}')),
-                ('remember', False, text('whether each answer conditions the next')),
-                ('planner', 'fast-downward-opt', text("a unified-planning engine's name", True)),
-                ('plans_per_belief', 300, count('optimal plans of a belief, at most', 1, 10_000)),
-                ('max_beliefs', 1024, count('most probable beliefs to plan for', 1, 1_000_000)),
-                ('planning_timeout', 10.0, number('s, for each belief', 1e-3, 1e6, True)),
-                ('deadline', 60.0, number('s, for the planning of a whole update', 1e-3, 1e6)),
-                ('selection_budget', 0.5, number('s, to find the best sentences', 1e-3, 1e3)),
-                ('answer_timeout', 5.0, number('s, that a call waits for an update', 0, 1e6)),
-                ('workers', 2, count('planning processes at a time', 1, 256, True)),
-                ('planner_memory_limit', 1024, count('MiB, for each search', 80, 1 << 24, True)),
-                ('downward_binary', '', text("Fast Downward's search, if self-built", True)),
+                ('strategy', 'informative', _text(f'one of {", ".join(STRATEGIES)}')),
+                ('remember', False, _text('whether each answer conditions the next')),
+                ('planner', 'fast-downward-opt', _text("a unified-planning engine's name", True)),
+                ('plans_per_belief', 300, _count('optimal plans of a belief, at most', 1, 10_000)),
+                ('max_beliefs', 1024, _count('most probable beliefs to plan for', 1, 1_000_000)),
+                ('planning_timeout', 10.0, _number('s, for each belief', 1e-3, 1e6, True)),
+                ('deadline', 60.0, _number('s, for the planning of a whole update', 1e-3, 1e6)),
+                ('selection_budget', 0.5, _number('s, to prove the best choice', 1e-3, 1.0)),
+                ('answer_timeout', 5.0, _number('s, that a call waits for an update', 0, 1e6)),
+                ('workers', 2, _count('planning processes at a time', 1, 256, True)),
+                ('planner_memory_limit', 1024, _count('MiB, for each search', 80, 1 << 24, True)),
+                ('downward_binary', '', _text("Fast Downward's search, if self-built", True)),
             ],
         )
 
@@ -129,18 +130,17 @@ class ExplainerNode(Node):
         topic = self.resolve_topic_name(name)
 
         def callback(message: String, info: Any) -> None:
-            identity = (name, info['source_timestamp'])
-            if identity in self._seen:
+            if self._last_message.get(name) == info['source_timestamp']:
                 return  # heard by the other subscription already
-            self._seen.append(identity)
+            self._last_message[name] = info['source_timestamp']
             self._submit(**{name: Text(message.data, topic)})
 
         return callback
 
     def _submit(self, **changes: Text) -> None:
         """Hand the newest inputs on, with what the parameters say now."""
-        path = self._value('user_model_file')
         with self._inputs_lock:
+            path = self._value('user_model_file')
             self._inputs = Inputs(
                 **{name: getattr(self._inputs, name) for name in INPUTS} | changes,
                 domain_file=self._value('domain_file'),
@@ -170,10 +170,10 @@ class ExplainerNode(Node):
 
     def _on_state(self, state: State) -> None:
         if state.phase is Phase.ERROR:
-            self._last_error = state.message
-            self.get_logger().error(state.message)
+            self._last_error = printable(state.message)
+            self.get_logger().error(self._last_error)
         elif state.preparation is None:
-            self.get_logger().info(state.message)
+            self.get_logger().info(printable(state.message))
         else:
             self._report_ready(state.preparation)
         self._publish_diagnostics(state)
@@ -181,16 +181,13 @@ class ExplainerNode(Node):
     def _report_ready(self, preparation: Preparation) -> None:
         model = preparation.model
         for warning in model.warnings:
-            self.get_logger().warning(warning)
+            self.get_logger().warning(printable(warning))
         self.get_logger().info(
             f'ready: a plan of {len(model.sentences)} actions, '
             f'{len(model.hypotheses)} hypotheses, '
             f'{preparation.planner_calls} planner calls in {preparation.seconds.planning:.2f} s'
         )
-        try:
-            self._answers.get(preparation, self._question())  # the first call finds it made
-        except Exception as error:  # nor may one end the update thread; the call will tell it
-            self.get_logger().error(f'the answer could not be made: {error!r}')
+        self._answers.make(preparation, self._question())
 
     def _question(self) -> dict[str, Any]:
         """Return the arguments of `explain` that the parameters decide."""
@@ -198,21 +195,27 @@ class ExplainerNode(Node):
         return {name: self._value(name) for name in names}
 
     def _verbalize(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        state = self._state_for_a_call()
-        if state.preparation is None:
-            response.message = _printable(state.message)
-            return response
         try:
-            remember = self._value('remember')
-            text, report = self._answers.get(state.preparation, self._question(), remember)
+            state = self._state_for_a_call()
+            while state.preparation is not None and not response.success:
+                response.message = self._answers.give(
+                    state.preparation, self._question(), self._value('remember')
+                )
+                # Newer inputs may have come while the answer was made.
+                newest = self._state_for_a_call()
+                response.success = newest.preparation is state.preparation
+                state = newest
+            if not response.success:
+                response.message = printable(state.message)
         except Exception as error:  # an exception that leaves a callback ends the node
             self.get_logger().error(f'verbalize_plan: {error!r}')
-            response.message = _printable(f'the answer failed: {error}')
-            return response
+            response.success = False
+            response.message = printable(f'the answer failed: {error}')
+        return response
+
+    def _publish_answer(self, text: str, report: str) -> None:
         self._verbalization.publish(String(data=text))
         self._explanation.publish(String(data=report))
-        response.success, response.message = True, text
-        return response
 
     def _state_for_a_call(self) -> State:
         """Return the state to answer from, once the work under way is done."""
@@ -254,70 +257,34 @@ class ExplainerNode(Node):
                 'warnings': '; '.join(model.warnings) or 'none',
             }
         incomplete = state.preparation is not None and not state.preparation.model.complete
+        message = state.message
+        if state.preparation is not None and incomplete:
+            message += f', but not for all beliefs: {"; ".join(state.preparation.model.warnings)}'
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN
             if incomplete
             else levels.get(state.phase, DiagnosticStatus.OK),
             name=f'{self.get_fully_qualified_name().lstrip("/")}: explanation',
-            message=_printable(state.message),
-            values=[KeyValue(key=key, value=_printable(value)) for key, value in values.items()],
+            message=printable(message),
+            values=[KeyValue(key=key, value=printable(value)) for key, value in values.items()],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
 
 
-class _Answers:
-    """Makes each answer once, and remembers what was said."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._said: list[str] = []
-        self._made_for: Preparation | None = None
-        self._made: dict[object, tuple[Explanation, str, str]] = {}
-
-    def get(
-        self, preparation: Preparation, question: dict[str, Any], remember: bool | None = None
-    ) -> tuple[str, str]:
-        """Return the answer's text and its JSON.
-
-        With `remember` it is conditioned on what was said, and counts as said.
-        Sentences that are not in the present plan are no part of it.
-        """
-        with self._lock:
-            if self._made_for is not preparation:
-                self._made_for, self._made = preparation, {}
-            said = [s for s in self._said if remember and s in preparation.model.sentences]
-            key = (*question.items(), *said)
-            if key not in self._made:
-                explanation = explain(preparation, said=said, **question)
-                report = json.dumps(explanation.as_dict(hypotheses=False), ensure_ascii=False)
-                self._made[key] = explanation, _printable(explanation.text), _printable(report)
-            explanation, text, report = self._made[key]
-            if remember:
-                self._said += explanation.sentences
-            return text, report
-
-    def forget(self) -> int:
-        """Forget what was said; return how many sentences that was."""
-        with self._lock:
-            count = len(self._said)
-            self._said.clear()
-            return count
-
-
-def _described(description: str, read_only: bool = False) -> ParameterDescriptor:
+def _text(description: str, read_only: bool = False) -> ParameterDescriptor:
     return ParameterDescriptor(description=description, read_only=read_only)
 
 
-def _counted(
+def _count(
     description: str, least: int, most: int, read_only: bool = False
 ) -> ParameterDescriptor:
     between = [IntegerRange(from_value=least, to_value=most)]
     return ParameterDescriptor(description=description, integer_range=between, read_only=read_only)
 
 
-def _in_range(
+def _number(
     description: str, least: float, most: float, read_only: bool = False
 ) -> ParameterDescriptor:
     between = [FloatingPointRange(from_value=float(least), to_value=float(most))]
@@ -335,25 +302,23 @@ def _revision(path: str) -> object:
     return found.st_mtime_ns, found.st_size, found.st_ino
 
 
-def _printable(text: str) -> str:
-    """Return the text without what a ROS string can't carry: NUL and lone surrogates."""
-    return text.replace('\0', '').encode('utf-8', 'replace').decode('utf-8')
-
-
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
     rclpy.init(args=args)
-    node = ExplainerNode()
+    node = None
     executor = MultiThreadedExecutor(THREADS)
-    executor.add_node(node)
     try:
+        node = ExplainerNode()
+        executor.add_node(node)
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.close()
+        if node is not None:
+            node.close()
         executor.shutdown(timeout_sec=1.0)
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
 
 

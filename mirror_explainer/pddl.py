@@ -92,8 +92,8 @@ def read_task(
     that is not PDDL, is inconsistent, or has more of PDDL than can be explained.
     """
     domain, problem = domain.removeprefix('\ufeff'), problem.removeprefix('\ufeff')
-    _require_definition(domain, 'domain', domain_source)
-    _require_definition(problem, 'problem', problem_source)
+    require_definition(domain, 'domain', domain_source)
+    require_definition(problem, 'problem', problem_source)
     require_readable(domain, problem, domain_source, problem_source)
     problem = without_total_time(problem)
     durative = is_durative(domain)
@@ -283,7 +283,7 @@ def _text(tree: Any) -> str:
     return tree if isinstance(tree, str) else f'({" ".join(_text(part) for part in tree)})'
 
 
-def _require_definition(text: str, kind: str, source: str) -> None:
+def require_definition(text: str, kind: str, source: str) -> None:
     """Raise InputError unless the text begins as a PDDL domain or problem should."""
     if not text.strip():
         raise InputError(source, f'the text is empty; a PDDL {kind} is expected')

@@ -14,7 +14,8 @@ from pathlib import Path
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
-from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.pddl import Task, read_task, require_definition
+from mirror_explainer.plan_text import read_plan
 from mirror_explainer.planning import Planner
 from mirror_explainer.user_model import read_user_model
 
@@ -87,7 +88,7 @@ class Updates:
     """Turns the newest inputs into a Preparation, in a thread of its own.
 
     `make_planner` is called once it is needed, and again if it failed; `on_state`
-    is called from the thread whenever the phase changes. `close` stops the work
+    is called from the thread when an update is done. `close` stops the work
     at once, ends the planner and frees everyone who waits.
     """
 
@@ -168,7 +169,11 @@ class Updates:
                     continue
                 self._state = state
                 self._changed.notify_all()
-            self._on_state(state)
+            try:
+                self._on_state(state)
+            except Exception as error:  # whatever listens must not end this thread
+                with self._changed:
+                    self._state = _internal_error(error)
 
     def _settle(self) -> None:
         """Wait until inputs stop coming for a moment, but not for ever."""
@@ -182,9 +187,10 @@ class Updates:
 
     def _state_for(self, inputs: Inputs, cancelled: threading.Event) -> State:
         """Do the work, and put what goes wrong in words."""
-        if inputs.missing:
-            return State(Phase.WAITING, f'waiting for {", ".join(inputs.missing)}')
         try:
+            if inputs.missing:
+                _check_alone(inputs)
+                return State(Phase.WAITING, f'waiting for {", ".join(inputs.missing)}')
             return State(Phase.READY, 'ready', self._prepare(inputs, cancelled))
         except NoPlanError as error:
             return State(Phase.WAITING, str(error))
@@ -193,7 +199,7 @@ class Updates:
         except Cancelled:
             raise
         except Exception as error:  # the node must outlive a fault of ours
-            return State(Phase.ERROR, f'internal error, please report it: {error!r}')
+            return _internal_error(error)
 
     def _prepare(self, inputs: Inputs, cancelled: threading.Event) -> Preparation:
         assert inputs.problem and inputs.plan  # nothing is missing
@@ -239,6 +245,21 @@ class Updates:
             if not self._pending:
                 message = f'planning {done} of {beliefs}'
                 self._state = replace(self._state, message=message)
+
+
+def _internal_error(error: Exception) -> State:
+    return State(Phase.ERROR, f'internal error, please report it: {error!r}')
+
+
+def _check_alone(inputs: Inputs) -> None:
+    """Raise InputError for what is wrong already, whatever is still missing."""
+    for text, kind in ((inputs.domain, 'domain'), (inputs.problem, 'problem')):
+        if text:
+            require_definition(text.text, kind, text.source)
+    if inputs.plan:
+        read_plan(inputs.plan.text, inputs.plan.source)
+    if inputs.user_model_file:
+        read_user_model(inputs.user_model_file)
 
 
 def _read_file(path: str) -> Text:

@@ -101,8 +101,12 @@ def _summary(explanation: Explanation) -> str:
     )
     if not explanation.selection.optimal:
         summary += f' The best choice may tell up to {told["gap"]:.2g} nats more.'
-    if not model.complete:
-        known = model.covered_mass - model.unknown_mass
+    if model.stand_in_plans:
+        summary += (
+            f' For {model.stand_in_plans} beliefs only a plan that may not be optimal is known.'
+        )
+    known = model.covered_mass - model.unknown_mass
+    if known < 1.0 - 1e-9:
         summary += f' Only {known:.0%} of what the listener may believe could be planned for.'
     return summary
 

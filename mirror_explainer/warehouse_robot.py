@@ -90,13 +90,15 @@ class WarehouseRobot(Node):
 def main(args: Sequence[str] | None = None) -> None:
     """Run the robot until it is interrupted."""
     rclpy.init(args=args)
-    node = WarehouseRobot()
+    node = None
     try:
+        node = WarehouseRobot()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
 
 

@@ -138,14 +138,12 @@ def test_the_answer_over_ros_is_the_answer_of_verbalize(peer, tmp_path):
 def test_two_clients_at_once_both_get_the_answer(peer, tmp_path):
     with explainer(peer, tmp_path):
         peer.publish_warehouse()
-        calls = [peer.start_call() for _ in range(2)]
+        peer.answer()
         other = Peer(peer.node.get_namespace())
-        calls += [other.start_call() for _ in range(2)]
+        calls = [client.start_call() for client in (peer, other, peer, other)]
         responses = [call.result() for call in calls]
         other.close()
-        answer = peer.answer()
-    assert answer == THREE_SENTENCES
-    assert all(r.message == answer for r in responses if r.success)
+    assert [response.message for response in responses] == [THREE_SENTENCES] * 4
 
 
 def test_parameters_act_at_once(peer, tmp_path):
@@ -246,6 +244,32 @@ def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(peer, tmp
     assert 'line 2' in reason
     assert 'line 3' in reason
     assert mended == THREE_SENTENCES
+
+
+def test_a_user_model_that_no_log_can_print_does_not_end_the_node(peer, tmp_path):
+    user_model = tmp_path / 'user_model.yaml'
+    user_model.write_text('goals:\n  - goal: "(holding \\ud800)"\n')
+    with explainer(peer, tmp_path, user_model_file=user_model):
+        peer.publish_warehouse()
+        reason = peer.failure('user_model.yaml')
+        peer.set_parameters(user_model_file=USER_MODEL)
+        mended = peer.answer()
+    assert 'line 2' in reason
+    assert mended == THREE_SENTENCES
+
+
+def test_mixed_up_topics_are_told_although_something_is_missing(peer, tmp_path):
+    with explainer(peer, tmp_path):
+        peer.publish('plan', PROBLEM)
+        reason = peer.failure('a plan is expected here')
+    assert '/plan, line' in reason
+
+
+def test_a_strategy_that_does_not_exist_is_refused_at_the_start(peer, tmp_path):
+    with explainer(peer, tmp_path, strategy='informativ') as node:
+        status = node.popen.wait(60)
+    assert status != 0
+    assert 'informative, increasing, decreasing' in node.log
 
 
 def test_what_is_missing_is_said_at_once(peer, tmp_path):

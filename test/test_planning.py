@@ -12,12 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
-from mirror_explainer.errors import Cancelled, InputError, PlanningError
-from mirror_explainer.explainer import robot_plan
-from mirror_explainer.pddl import read_task
-from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
-from mirror_explainer.planning.downward import find_downward
 from pddl_cases import (
     TOOLS_DOMAIN,
     TOOLS_PROBLEM,
@@ -25,6 +19,12 @@ from pddl_cases import (
     WAREHOUSE_PROBLEM,
     gripper,
 )
+
+from mirror_explainer.errors import Cancelled, InputError, PlanningError
+from mirror_explainer.explainer import robot_plan
+from mirror_explainer.pddl import read_task
+from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
+from mirror_explainer.planning.downward import find_downward
 
 TOOLS = BeliefSpace(TOOLS_DOMAIN, TOOLS_PROBLEM, ('(polished)', '(lost)'), ('(saw-sharp)',))
 SHARP = frozenset(['(saw-sharp)'])

@@ -13,13 +13,13 @@ from random import Random
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from pddl_cases import gripper, random_space
+from test_planning import child_sessions, searches_of, wait_until
 
 from mirror_explainer import pddl
 from mirror_explainer.errors import Cancelled
 from mirror_explainer.mirror_model import plan_probabilities
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
-from pddl_cases import gripper, random_space
-from test_planning import child_sessions, searches_of, wait_until
 
 MANY = 3000
 MOST_STATES = 800

@@ -17,11 +17,11 @@ from random import Random
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from pddl_cases import random_space, with_changed_state
 
 from mirror_explainer.experiments.planning_speed import read_instance, uncertain_case
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward import find_downward
-from pddl_cases import random_space, with_changed_state
 
 BELIEFS_A_SPACE = 16  # 2 goals, 3 uncertain facts
 BELIEFS_A_ROUND = 512
@@ -58,7 +58,7 @@ def problem_of(space: BeliefSpace, belief: Belief) -> str:
     for end, letter in enumerate(after):
         depth += {'(': 1, ')': -1}.get(letter, 0)
         if not depth:
-            return f'{before}{goal}{after[end + 1:]}'
+            return f'{before}{goal}{after[end + 1 :]}'
     raise ValueError('the problem has no whole goal')
 
 
@@ -88,9 +88,7 @@ def plain_cost(space: BeliefSpace, belief: Belief, search: str) -> float | None:
         return float((Path(folder) / 'sas_plan').read_text().split('; cost = ')[1].split()[0])
 
 
-def plain_costs(
-    space: BeliefSpace, beliefs: list[Belief], search: str
-) -> list[float | None]:
+def plain_costs(space: BeliefSpace, beliefs: list[Belief], search: str) -> list[float | None]:
     """Return the referee's costs of several beliefs."""
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         return list(threads.map(lambda belief: plain_cost(space, belief, search), beliefs))

@@ -1,0 +1,66 @@
+"""The answers to calls: each is made once, and what was said is remembered."""
+
+import json
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from mirror_explainer.explainer import Explanation, Preparation, explain
+
+
+class Answers:
+    """Answers from preparations.
+
+    `publish` is called with each answer's text and its JSON, one answer at a time,
+    so that both are always of the same one.
+    """
+
+    def __init__(self, publish: Callable[[str, str], None]) -> None:
+        self._publish = publish
+        self._lock = threading.Lock()
+        self._said: list[str] = []
+        self._made_for: Preparation | None = None
+        self._made: dict[object, tuple[Explanation, str, str]] = {}
+
+    def make(self, preparation: Preparation, question: dict[str, Any]) -> None:
+        """Make the answer to a question (arguments of `explain`), so that a call finds it made."""
+        with self._lock:
+            self._get(preparation, question, ())
+
+    def give(self, preparation: Preparation, question: dict[str, Any], remember: bool) -> str:
+        """Publish the answer to a question, and return its text.
+
+        With `remember` it is conditioned on what was said, and counts as said.
+        Sentences that are not in the present plan are no part of it.
+        """
+        with self._lock:
+            said = [s for s in self._said if remember and s in preparation.model.sentences]
+            explanation, text, report = self._get(preparation, question, tuple(said))
+            if remember:
+                self._said += explanation.sentences
+            self._publish(text, report)
+            return text
+
+    def forget(self) -> int:
+        """Forget what was said; return how many sentences that was."""
+        with self._lock:
+            count = len(self._said)
+            self._said.clear()
+            return count
+
+    def _get(
+        self, preparation: Preparation, question: dict[str, Any], said: tuple[str, ...]
+    ) -> tuple[Explanation, str, str]:
+        if self._made_for is not preparation:
+            self._made_for, self._made = preparation, {}
+        key = (*question.items(), *said)
+        if key not in self._made:
+            explanation = explain(preparation, said=said, **question)
+            report = json.dumps(explanation.as_dict(hypotheses=False), ensure_ascii=False)
+            self._made[key] = explanation, printable(explanation.text), printable(report)
+        return self._made[key]
+
+
+def printable(text: str) -> str:
+    """Return the text without what a ROS string can't carry: NUL and lone surrogates."""
+    return text.replace('\0', '').encode('utf-8', 'replace').decode('utf-8')
