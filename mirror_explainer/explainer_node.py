@@ -310,7 +310,9 @@ def main(args: Sequence[str] | None = None) -> None:
     try:
         node = ExplainerNode()
         executor.add_node(node)
-        executor.spin()
+        while rclpy.ok():
+            # Not `spin`: a signal that comes just before it waits would not wake it.
+            executor.spin_once(timeout_sec=0.2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:

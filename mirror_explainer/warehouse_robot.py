@@ -93,7 +93,9 @@ def main(args: Sequence[str] | None = None) -> None:
     node = None
     try:
         node = WarehouseRobot()
-        rclpy.spin(node)
+        while rclpy.ok():
+            # Not `spin`: a signal that comes just before it waits would not wake it.
+            rclpy.spin_once(node, timeout_sec=0.2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
