@@ -3,7 +3,6 @@
 MIRROR_EXPLAINER_BELIEFS sets how many random beliefs are tried (512 without).
 """
 
-import itertools
 import os
 import re
 import subprocess
@@ -19,7 +18,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pddl_cases import random_space, with_changed_state
 
-from mirror_explainer.experiments.planning_speed import read_instance, uncertain_case
+from mirror_explainer.experiments.planning_speed import every_belief, read_instance, uncertain_case
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward import find_downward
 
@@ -33,17 +32,6 @@ PUCRS = os.environ.get('MIRROR_EXPLAINER_PUCRS', '')
 def planner() -> Iterator[Planner]:
     with Planner('fast-downward-opt', planning_timeout=60.0) as planner:
         yield planner
-
-
-def beliefs_of(space: BeliefSpace) -> list[Belief]:
-    """Return every belief of a space."""
-    facts = space.uncertain_facts
-    return [
-        Belief(goal, frozenset(true))
-        for goal in range(len(space.goals))
-        for size in range(len(facts) + 1)
-        for true in itertools.combinations(facts, size)
-    ]
 
 
 def problem_of(space: BeliefSpace, belief: Belief) -> str:
@@ -115,7 +103,7 @@ def test_random_beliefs_cost_what_fast_downward_says(
     planner: Planner, number: int, seed: int
 ) -> None:
     space = random_space(Random(f'{number} {seed}'))
-    beliefs = beliefs_of(space)
+    beliefs = every_belief(space)
     assert len(beliefs) == BELIEFS_A_SPACE
 
     report = planner.plan(space, beliefs)
@@ -151,10 +139,10 @@ def test_beliefs_of_a_goal_recognition_problem_cost_what_fast_downward_says(
 ) -> None:
     instance = read_instance(sorted(Path(PUCRS).glob(name))[0])
     space = uncertain_case(planner, instance, 4, Random(name)).space
-    asked = Random(name).sample(beliefs_of(space), 8)
+    asked = Random(name).sample(every_belief(space), 8)
 
-    report = planner.plan(space, beliefs_of(space))
+    report = planner.plan(space, every_belief(space))
 
-    found = dict(zip(beliefs_of(space), report.results, strict=True))
+    found = dict(zip(every_belief(space), report.results, strict=True))
     search = 'astar(max([lmcut(),cegar(max_time=0.1)]))'
     assert [cost_of(found[belief]) for belief in asked] == plain_costs(space, asked, search)
