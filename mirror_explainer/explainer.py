@@ -10,9 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from mirror_explainer.branch_and_bound import TIE
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
-from mirror_explainer.mirror_model import Evidence, MirrorModel, mirror_model
+from mirror_explainer.mirror_model import MirrorModel, mirror_model
 from mirror_explainer.pddl import Task
 from mirror_explainer.plan_text import check_plan, read_plan, without_dummy
 from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status
@@ -20,6 +19,7 @@ from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import (
     Selection,
     decreasing,
+    first_sufficient,
     increasing,
     most_informative,
     smallest_sufficient,
@@ -220,33 +220,18 @@ def explain(
     required_gain = model.cross_entropy(heard) - threshold
     if strategy != 'informative':
         baseline = {'increasing': increasing, 'decreasing': decreasing}[strategy]
-        selection = (
-            _first_sufficient(baseline, evidence, required_gain, at_most)
-            if threshold > 0
-            else baseline(evidence, at_most)
-        )
+        selection = baseline(evidence, at_most)
+        if threshold > 0:
+            size = len(selection.positions)
+            everything = baseline(evidence, len(evidence.positions)).information_gain
+            growing = (baseline(evidence, k) for k in range(size + 1))
+            selection = first_sufficient(growing, required_gain, everything)
     elif threshold > 0:
         selection = smallest_sufficient(evidence, required_gain, at_most, selection_budget)
     else:
         selection = most_informative(evidence, at_most, selection_budget)
     seconds = replace(preparation.seconds, selection=time.perf_counter() - started)
     return Explanation(strategy, replace(preparation, seconds=seconds), selection, heard)
-
-
-def _first_sufficient(
-    baseline: Callable[[Evidence, int], Selection],
-    evidence: Evidence,
-    required_gain: float,
-    at_most: int,
-) -> Selection:
-    """Return a baseline's first selection that says enough, as in `smallest_sufficient`."""
-    everything = baseline(evidence, len(evidence.positions)).information_gain
-    for n in range(min(at_most, len(evidence.positions))):
-        selection = baseline(evidence, n)
-        gain = selection.information_gain
-        if gain > required_gain or gain >= everything - TIE:
-            return selection
-    return baseline(evidence, at_most)
 
 
 def _planned(result: BeliefPlans) -> Plan:

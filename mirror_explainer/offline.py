@@ -4,15 +4,14 @@ import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from mirror_explainer.errors import InputError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
 from mirror_explainer.selection import Selection, curve, decreasing, increasing
+from mirror_explainer.text_files import read_text
 from mirror_explainer.user_model import read_user_model
 
 
@@ -107,16 +106,6 @@ def _measures(selection: Selection, model: MirrorModel, said: Sequence[int]) -> 
         'understanding': model.understanding(heard),
         'gap': selection.gap,
     }
-
-
-def read_text(path: str) -> str:
-    """Read a text file; raises InputError that names it."""
-    try:
-        return Path(path).read_text(encoding='utf-8-sig')
-    except UnicodeDecodeError as error:
-        raise InputError(path, f'this is no UTF-8 text: {error.reason}') from error
-    except OSError as error:
-        raise InputError(path, f'the file cannot be read: {error.strerror}') from error
 
 
 def positive(text: str) -> int:

@@ -11,7 +11,7 @@ single-sentence gains wins, then the lexicographically smallest positions.
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,8 +88,21 @@ def smallest_sufficient(
     columns = _columns(evidence)
     everything = -columns.log_value(columns.copies)
     size = min(at_most, len(evidence.positions))
+    return first_sufficient(
+        _select_all(evidence, columns, size, budget), required_gain, everything
+    )
+
+
+def first_sufficient(
+    selections: Iterable[Selection], required_gain: float, everything: float
+) -> Selection:
+    """The first of some selections whose gain is enough, else the last.
+
+    Enough is more than `required_gain`, or `everything`, the gain of saying
+    everything, within 1e-9.
+    """
     enough = Selection((), 0.0, 0.0)
-    for enough in _select_all(evidence, columns, size, budget):
+    for enough in selections:
         gain = enough.information_gain
         if gain > required_gain or gain >= everything - TIE:
             break

@@ -10,13 +10,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from pathlib import Path
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.pddl import Task, read_task, require_definition
 from mirror_explainer.plan_text import read_plan
 from mirror_explainer.planning import Planner
+from mirror_explainer.text_files import read_text
 from mirror_explainer.user_model import read_user_model
 
 # A robot publishes its problem and its plan one after the other: judge them together.
@@ -204,7 +204,8 @@ class Updates:
     def _prepare(self, inputs: Inputs, cancelled: threading.Event) -> Preparation:
         assert inputs.problem and inputs.plan  # nothing is missing
         started = time.perf_counter()
-        task = self._read(inputs.domain or _read_file(inputs.domain_file), inputs.problem)
+        domain = inputs.domain or Text(read_text(inputs.domain_file), inputs.domain_file)
+        task = self._read(domain, inputs.problem)
         plan = robot_plan(task, inputs.plan.text, inputs.plan.source)
         user_model = read_user_model(inputs.user_model_file, task)
         read = time.perf_counter() - started
@@ -260,10 +261,3 @@ def _check_alone(inputs: Inputs) -> None:
         read_plan(inputs.plan.text, inputs.plan.source)
     if inputs.user_model_file:
         read_user_model(inputs.user_model_file)
-
-
-def _read_file(path: str) -> Text:
-    try:
-        return Text(Path(path).read_text(encoding='utf-8-sig'), path)
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f'the domain cannot be read: {error}') from error

@@ -14,11 +14,11 @@ from mirror_explainer.offline import (
     add_planning_arguments,
     at_least,
     prepare_files,
-    read_text,
     seconds,
     strategy_curves,
 )
 from mirror_explainer.selection import informative_order
+from mirror_explainer.text_files import read_text
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
