@@ -2,18 +2,12 @@
 
 import os
 import threading
-import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import (
-    FloatingPointRange,
-    IntegerRange,
-    ParameterDescriptor,
-    SetParametersResult,
-)
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
@@ -24,7 +18,9 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.answers import Answers, printable
+from mirror_explainer.diagnostics import diagnose
 from mirror_explainer.explainer import STRATEGIES, Preparation
+from mirror_explainer.parameters import PARAMETERS
 from mirror_explainer.planning import Planner
 from mirror_explainer.updates import Inputs, Phase, State, Text, Updates
 
@@ -46,7 +42,7 @@ class ExplainerNode(Node):
     def __init__(self) -> None:
         super().__init__('mirror_explainer')
         self.add_on_set_parameters_callback(self._check_parameters)
-        self._declare_parameters()
+        self.declare_parameters('', PARAMETERS)
         self._inputs = Inputs()
         self._inputs_lock = threading.Lock()
         self._last_message: dict[str, int] = {}
@@ -92,35 +88,6 @@ class ExplainerNode(Node):
             planning_timeout=self._value('planning_timeout'),
             memory_limit=self._value('planner_memory_limit'),
             downward_binary=self._value('downward_binary'),
-        )
-
-    def _declare_parameters(self) -> None:
-        self.declare_parameters(
-            '',
-            [
-                ('domain_file', '', _text('PDDL domain; a message on "domain" replaces it', True)),
-                ('user_model_file', '', _text('YAML: what the listener may believe')),
-                ('n', 3, _count('how many sentences an answer has at most', 1, 1000)),
-                (
-                    'threshold',
-                    0.0,
-                    _number(
-                        'say only as many as bring the cross-entropy below this (nats)', 0, 1e3
-                    ),
-                ),
-                ('strategy', 'informative', _text(f'one of {", ".join(STRATEGIES)}')),
-                ('remember', False, _text('whether each answer conditions the next')),
-                ('planner', 'fast-downward-opt', _text("a unified-planning engine's name", True)),
-                ('plans_per_belief', 300, _count('optimal plans of a belief, at most', 1, 10_000)),
-                ('max_beliefs', 1024, _count('most probable beliefs to plan for', 1, 1_000_000)),
-                ('planning_timeout', 10.0, _number('s, for each belief', 1e-3, 1e6, True)),
-                ('deadline', 60.0, _number('s, for the planning of a whole update', 1e-3, 1e6)),
-                ('selection_budget', 0.5, _number('s, to prove the best choice', 1e-3, 1.0)),
-                ('answer_timeout', 5.0, _number('s, that a call waits for an update', 0, 1e6)),
-                ('workers', 2, _count('planning processes at a time', 1, 256, True)),
-                ('planner_memory_limit', 1024, _count('MiB, for each search', 80, 1 << 24, True)),
-                ('downward_binary', '', _text("Fast Downward's search, if self-built", True)),
-            ],
         )
 
     def _value(self, name: str) -> Any:
@@ -237,60 +204,18 @@ class ExplainerNode(Node):
         return response
 
     def _publish_diagnostics(self, state: State) -> None:
-        levels = {Phase.WAITING: DiagnosticStatus.WARN, Phase.ERROR: DiagnosticStatus.ERROR}
-        values = {
-            'state': state.phase.value,
-            'seconds in this state': f'{time.monotonic() - state.since:.0f}',
-            'last error': self._last_error or 'none',
-        }
-        if state.preparation is not None:
-            model, seconds = state.preparation.model, state.preparation.seconds
-            values |= {
-                'seconds reading': f'{seconds.read:.3f}',
-                'seconds planning': f'{seconds.planning:.3f}',
-                'planner calls': str(state.preparation.planner_calls),
-                'hypotheses': str(len(model.hypotheses)),
-                'covered mass': f'{model.covered_mass:.6f}',
-                'unsolvable mass': f'{model.unsolvable_mass:.6f}',
-                'unknown mass': f'{model.unknown_mass:.6f}',
-                'stand-in plans': str(model.stand_in_plans),
-                'warnings': '; '.join(model.warnings) or 'none',
-            }
-        incomplete = state.preparation is not None and not state.preparation.model.complete
-        message = state.message
-        if state.preparation is not None and incomplete:
-            message += f', but not for all beliefs: {"; ".join(state.preparation.model.warnings)}'
+        found = diagnose(state, self._last_error)
         status = DiagnosticStatus(
-            level=DiagnosticStatus.WARN
-            if incomplete
-            else levels.get(state.phase, DiagnosticStatus.OK),
+            level=bytes([found.level]),
             name=f'{self.get_fully_qualified_name().lstrip("/")}: explanation',
-            message=printable(message),
-            values=[KeyValue(key=key, value=printable(value)) for key, value in values.items()],
+            message=printable(found.message),
+            values=[
+                KeyValue(key=key, value=printable(text)) for key, text in found.values.items()
+            ],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
-
-
-def _text(description: str, read_only: bool = False) -> ParameterDescriptor:
-    return ParameterDescriptor(description=description, read_only=read_only)
-
-
-def _count(
-    description: str, least: int, most: int, read_only: bool = False
-) -> ParameterDescriptor:
-    between = [IntegerRange(from_value=least, to_value=most)]
-    return ParameterDescriptor(description=description, integer_range=between, read_only=read_only)
-
-
-def _number(
-    description: str, least: float, most: float, read_only: bool = False
-) -> ParameterDescriptor:
-    between = [FloatingPointRange(from_value=float(least), to_value=float(most))]
-    return ParameterDescriptor(
-        description=description, floating_point_range=between, read_only=read_only
-    )
 
 
 def _revision(path: str) -> object:

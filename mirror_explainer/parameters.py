@@ -1,0 +1,49 @@
+"""The node's parameters: names, defaults, ranges, and which can be set on the running node."""
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+
+from mirror_explainer.explainer import STRATEGIES
+
+
+def _text(description: str, read_only: bool = False) -> ParameterDescriptor:
+    return ParameterDescriptor(description=description, read_only=read_only)
+
+
+def _count(
+    description: str, least: int, most: int, read_only: bool = False
+) -> ParameterDescriptor:
+    between = [IntegerRange(from_value=least, to_value=most)]
+    return ParameterDescriptor(description=description, integer_range=between, read_only=read_only)
+
+
+def _number(
+    description: str, least: float, most: float, read_only: bool = False
+) -> ParameterDescriptor:
+    between = [FloatingPointRange(from_value=float(least), to_value=float(most))]
+    return ParameterDescriptor(
+        description=description, floating_point_range=between, read_only=read_only
+    )
+
+
+PARAMETERS = (
+    ('domain_file', '', _text('PDDL domain; a message on "domain" replaces it', True)),
+    ('user_model_file', '', _text('YAML: what the listener may believe')),
+    ('n', 3, _count('how many sentences an answer has at most', 1, 1000)),
+    (
+        'threshold',
+        0.0,
+        _number('say only as many as bring the cross-entropy below this (nats)', 0, 1e3),
+    ),
+    ('strategy', 'informative', _text(f'one of {", ".join(STRATEGIES)}')),
+    ('remember', False, _text('whether each answer conditions the next')),
+    ('planner', 'fast-downward-opt', _text("a unified-planning engine's name", True)),
+    ('plans_per_belief', 300, _count('optimal plans of a belief, at most', 1, 10_000)),
+    ('max_beliefs', 1024, _count('most probable beliefs to plan for', 1, 1_000_000)),
+    ('planning_timeout', 10.0, _number('s, for each belief', 1e-3, 1e6, True)),
+    ('deadline', 60.0, _number('s, for the planning of a whole update', 1e-3, 1e6)),
+    ('selection_budget', 0.5, _number('s, to prove the best choice', 1e-3, 1.0)),
+    ('answer_timeout', 5.0, _number('s, that a call waits for an update', 0, 1e6)),
+    ('workers', 2, _count('planning processes at a time', 1, 256, True)),
+    ('planner_memory_limit', 1024, _count('MiB, for each search', 80, 1 << 24, True)),
+    ('downward_binary', '', _text("Fast Downward's search, if self-built", True)),
+)
