@@ -4,11 +4,9 @@ unified-planning reads the texts; this file turns what goes wrong into errors
 that name the place. Like unified-planning, it must be used from one thread at a time.
 """
 
-import difflib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import pyparsing
 import unified_planning.model as up
@@ -16,6 +14,7 @@ from unified_planning.exceptions import UPException
 from unified_planning.io import PDDLReader
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.pddl_expressions import NESTED, Expressions, as_text, nested_words
 from mirror_explainer.pddl_sections import (
     require_readable,
     section,
@@ -40,11 +39,6 @@ _READER_ERRORS = (
     ValueError,
     RecursionError,
 )
-
-
-# "(a (b c))" as nested lists of words. Without quoted strings, which PDDL does not have, it is
-# ten times faster.
-_NESTED = pyparsing.nested_expr(content=pyparsing.Regex(r'[^\s()]+'), ignore_expr=None)
 
 
 @dataclass(frozen=True)
@@ -80,7 +74,7 @@ class Task:
         text = re.sub(r';[^\n]*', '', self.problem).lower()
         start = re.search(r'\(\s*:goal\b', text)
         assert start is not None  # a problem without a goal is not read
-        return _text(_NESTED.parse_string(text[start.start() :]).as_list()[0][1])
+        return as_text(NESTED.parse_string(text[start.start() :]).as_list()[0][1])
 
 
 def read_task(
@@ -157,8 +151,8 @@ def fluent_expression(model: up.Problem, atom: str, source: str = 'fact') -> up.
 
     Raises InputError that names every unknown predicate or object in it.
     """
-    tree, faults = _tree(atom, source), list[str]()
-    expression = _Expressions(model, faults).atom(tree, {})
+    tree, faults = nested_words(atom, source), list[str]()
+    expression = Expressions(model, faults).atom(tree, {})
     if faults:
         raise InputError(source, '; '.join(faults))
     return expression
@@ -169,118 +163,14 @@ def goal_expression(model: up.Problem, goal: str, source: str = 'goal') -> up.FN
 
     Raises InputError that names every unknown predicate, object or type in it.
     """
-    tree, faults = _tree(goal, source), list[str]()
+    tree, faults = nested_words(goal, source), list[str]()
     try:
-        expression = _Expressions(model, faults).expression(tree, {})
+        expression = Expressions(model, faults).expression(tree, {})
     except RecursionError as error:
         raise InputError(source, 'the goal is nested too deeply') from error
     if faults:
         raise InputError(source, '; '.join(faults))
     return expression
-
-
-class _Expressions:
-    """Builds expressions from nested lists of words, and collects the faults it meets."""
-
-    def __init__(self, model: up.Problem, faults: list[str]) -> None:
-        self._model = model
-        self._manager = model.environment.expression_manager
-        self._faults = faults
-
-    def expression(self, tree: Any, variables: dict[str, up.Variable]) -> up.FNode:
-        if isinstance(tree, str) or (tree and not isinstance(tree[0], str)):
-            return self._fault(f'"{_text(tree)}" is no PDDL condition')
-        head = tree[0].lower() if tree else 'and'
-        parts = tree[1:]
-        connectives = {'and': self._manager.And, 'or': self._manager.Or}
-        if head in connectives:
-            return connectives[head](*[self.expression(part, variables) for part in parts])
-        if head == 'not' and len(parts) == 1:
-            return self._manager.Not(self.expression(parts[0], variables))
-        if head == 'imply' and len(parts) == 2:
-            return self._manager.Implies(*[self.expression(part, variables) for part in parts])
-        if head in ('forall', 'exists') and len(parts) == 2 and not isinstance(parts[0], str):
-            bound = self._variables(parts[0])
-            body = self.expression(parts[1], variables | bound)
-            quantifier = self._manager.Forall if head == 'forall' else self._manager.Exists
-            return quantifier(body, *bound.values()) if bound else body
-        if head == '=' and len(parts) == 2:
-            left, right = (self._term(part, variables) for part in parts)
-            return self._manager.Equals(left, right) if left and right else self._manager.TRUE()
-        return self.atom(tree, variables)
-
-    def atom(self, tree: Any, variables: dict[str, up.Variable]) -> up.FNode:
-        if isinstance(tree, str) or not tree or not all(isinstance(word, str) for word in tree):
-            return self._fault(f'"{_text(tree)}" is no atom such as (predicate object)')
-        name = tree[0].lower()
-        if not self._model.has_fluent(name):
-            names = [fluent.name for fluent in self._model.fluents]
-            return self._fault(f'{_text(tree)}: the domain has no predicate "{name}"', name, names)
-        fluent = self._model.fluent(name)
-        if not fluent.type.is_bool_type():
-            return self._fault(f'{_text(tree)}: "{name}" is a number, not a fact')
-        if len(tree) - 1 != fluent.arity:
-            return self._fault(
-                f'{_text(tree)}: "{name}" takes {fluent.arity} arguments, not {len(tree) - 1}'
-            )
-        terms = [self._term(word, variables) for word in tree[1:]]
-        for word, term, parameter in zip(tree[1:], terms, fluent.signature, strict=True):
-            if term is not None and not parameter.type.is_compatible(term.type):
-                self._fault(
-                    f'{_text(tree)}: {word.lower()} is of type {term.type.name}, '
-                    f'but "{name}" takes a {parameter.type.name} there'
-                )
-                return self._manager.TRUE()
-        if any(term is None for term in terms):
-            return self._manager.TRUE()
-        return self._manager.FluentExp(fluent, terms)
-
-    def _term(self, word: Any, variables: dict[str, up.Variable]) -> up.FNode | None:
-        name = word.lower() if isinstance(word, str) else _text(word)
-        if name in variables:
-            return self._manager.VariableExp(variables[name])
-        if self._model.has_object(name):
-            return self._manager.ObjectExp(self._model.object(name))
-        names = [item.name for item in self._model.all_objects]
-        self._fault(f'the problem has no object "{name}"', name, names)
-        return None
-
-    def _variables(self, words: Sequence[Any]) -> dict[str, up.Variable]:
-        """Return the variables of "(?a ?b - type …)" by name, question mark included."""
-        bound: dict[str, up.Variable] = {}
-        for names, type_name in re.findall(
-            r'((?:\?\S+\s*)+)(?:-\s*(\S+))?', _text(words).lower()[1:-1]
-        ):
-            try:
-                variable_type = self._model.user_type(type_name or 'object')
-            except UPException:
-                self._fault(f'the domain has no type "{type_name or "object"}"')
-                continue
-            for name in names.split():
-                bound[name] = up.Variable(name[1:], variable_type, self._model.environment)
-        return bound
-
-    def _fault(self, reason: str, name: str = '', names: Iterable[str] = ()) -> up.FNode:
-        close = difflib.get_close_matches(name, names, n=1)
-        self._faults.append(f'{reason} (did you mean "{close[0]}"?)' if close else reason)
-        return self._manager.TRUE()
-
-
-def _tree(text: str, source: str) -> Any:
-    """Return "(a (b c))" as nested lists of words."""
-    try:
-        return _NESTED.parse_string(text, parse_all=True).as_list()[0]
-    except pyparsing.ParseBaseException as error:
-        shown = text.strip()[:80]
-        raise InputError(
-            source, f'"{shown}" is not one expression in balanced parentheses'
-        ) from error
-    except RecursionError as error:
-        raise InputError(source, 'the text is nested too deeply') from error
-
-
-def _text(tree: Any) -> str:
-    return tree if isinstance(tree, str) else f'({" ".join(_text(part) for part in tree)})'
 
 
 def require_definition(text: str, kind: str, source: str) -> None:
