@@ -29,6 +29,7 @@ class Expressions:
         self._faults = faults
 
     def expression(self, tree: Any, variables: dict[str, up.Variable]) -> up.FNode:
+        """Return a condition; `variables` are those it may use, by name with the question mark."""
         if isinstance(tree, str) or (tree and not isinstance(tree[0], str)):
             return self._fault(f'"{as_text(tree)}" is no PDDL condition')
         head = tree[0].lower() if tree else 'and'
@@ -51,6 +52,7 @@ class Expressions:
         return self.atom(tree, variables)
 
     def atom(self, tree: Any, variables: dict[str, up.Variable]) -> up.FNode:
+        """Return the expression of one atom: true in place of one that has a fault."""
         if isinstance(tree, str) or not tree or not all(isinstance(word, str) for word in tree):
             return self._fault(f'"{as_text(tree)}" is no atom such as (predicate object)')
         name = tree[0].lower()
