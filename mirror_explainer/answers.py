@@ -56,7 +56,8 @@ class Answers:
         key = (*question.items(), *said)
         if key not in self._made:
             explanation = explain(preparation, said=said, **question)
-            report = json.dumps(explanation.as_dict(hypotheses=False), ensure_ascii=False)
+            values = {**explanation.as_dict(hypotheses=False), 'inputs': preparation.inputs}
+            report = json.dumps(values, ensure_ascii=False)
             self._made[key] = explanation, printable(explanation.text), printable(report)
         return self._made[key]
 

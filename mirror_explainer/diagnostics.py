@@ -34,6 +34,7 @@ def diagnose(state: State, last_error: str = '') -> Diagnosis:
     values = {
         'state': state.phase.value,
         'seconds in this state': f'{time.monotonic() - state.since:.0f}',
+        'inputs': state.inputs.digest,
         'last error': last_error or 'none',
     }
     if state.preparation is not None:

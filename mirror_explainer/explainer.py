@@ -41,11 +41,15 @@ class Seconds:
 
 @dataclass(frozen=True)
 class Preparation:
-    """All that is needed to answer at once: the mirror model, and what it cost."""
+    """All that is needed to answer at once: the mirror model, and what it cost.
+
+    `inputs` tells whoever made it which inputs it was made from.
+    """
 
     model: MirrorModel
     seconds: Seconds
     planner_calls: int
+    inputs: str = ''
 
 
 @dataclass(frozen=True)
@@ -97,6 +101,7 @@ class Explanation:
             'cross_entropy_after': model.cross_entropy(heard),
             'understanding_before': model.understanding(self.said),
             'understanding': model.understanding(heard),
+            'true_goal': model.goals[model.hypotheses[model.robot].goal].name,
             'optimal': self.selection.optimal,
             'gap': self.selection.gap,
             'complete': model.complete,

@@ -5,11 +5,13 @@ and whoever needs an answer waits here for the work to end.
 """
 
 import contextlib
+import hashlib
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from functools import cached_property
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
@@ -61,6 +63,11 @@ class Inputs:
         }
         return tuple(name for name, value in present.items() if not value)
 
+    @cached_property
+    def digest(self) -> str:
+        """A short text that is the same for equal inputs, also in another process."""
+        return hashlib.blake2b(repr(self).encode(), digest_size=8).hexdigest()
+
 
 class Phase(Enum):
     """What the updates are doing."""
@@ -75,12 +82,13 @@ class Phase(Enum):
 class State:
     """Where things stand: `message` says it in words, `preparation` is there when READY.
 
-    `since` is in seconds of time.monotonic().
+    `inputs` are those that it is about; `since` is in seconds of time.monotonic().
     """
 
     phase: Phase
     message: str
     preparation: Preparation | None = None
+    inputs: Inputs = field(default_factory=Inputs)
     since: float = field(default_factory=time.monotonic)
 
 
@@ -125,7 +133,7 @@ class Updates:
             self._pending = True
             self._last_submit = time.monotonic()
             self._cancelled.set()
-            self._state = State(Phase.WORKING, 'reading the newest inputs')
+            self._state = State(Phase.WORKING, 'reading the newest inputs', inputs=inputs)
             self._changed.notify_all()
 
     def wait(self, timeout: float) -> State:
@@ -167,13 +175,13 @@ class Updates:
             with self._changed:
                 if self._pending or self._closed:
                     continue
-                self._state = state
+                self._state = state = replace(state, inputs=inputs)
                 self._changed.notify_all()
             try:
                 self._on_state(state)
             except Exception as error:  # whatever listens must not end this thread
                 with self._changed:
-                    self._state = _internal_error(error)
+                    self._state = replace(_internal_error(error), inputs=inputs)
 
     def _settle(self) -> None:
         """Wait until inputs stop coming for a moment, but not for ever."""
@@ -220,7 +228,8 @@ class Updates:
             cancelled=cancelled,
             progress=self._progress,
         )
-        return replace(preparation, seconds=replace(preparation.seconds, read=read))
+        seconds = replace(preparation.seconds, read=read)
+        return replace(preparation, seconds=seconds, inputs=inputs.digest)
 
     def _ready_planner(self) -> Planner:
         """Return the planner, which is made once. Raises PlanningError if it can't be."""

@@ -96,6 +96,7 @@ def test_two_sentences_name_the_two_grabs(operator: Preparation) -> None:
     assert told['cross_entropy_after'] == pytest.approx(1.04, abs=0.005)
     assert told['understanding_before'] == pytest.approx(1 / 30)
     assert told['understanding'] == pytest.approx(0.35, abs=0.005)  # 1/2.83
+    assert told['true_goal'] == 'red circle and blue cube, bottom door'
     assert told['optimal'] is True
     assert told['gap'] == 0.0
 

@@ -111,6 +111,23 @@ def test_the_answer_is_published_for_speech_and_dashboards_and_stays_latched(pee
     assert 'hypotheses' not in explanation
 
 
+def test_whoever_reads_an_explanation_can_tell_that_the_inputs_have_changed(peer, tmp_path):
+    def inputs() -> str:
+        return last_diagnostic(peer)['inputs'] if peer.diagnostics else ''
+
+    with explainer(peer, tmp_path):
+        peer.publish_warehouse()
+        peer.answer()
+        reported = peer.hear('mirror_explainer/explanation')
+        eventually(lambda: reported, 'the latched answer')
+        explained = json.loads(reported[-1])['inputs']
+        eventually(lambda: inputs() == explained, 'the inputs of the answer')
+        peer.publish('plan', '(fly away)')
+        eventually(lambda: inputs() != explained, 'other inputs')
+        peer.publish('plan', PLAN)
+        eventually(lambda: inputs() == explained, 'the same inputs again')
+
+
 def test_the_answer_over_ros_is_the_answer_of_verbalize(peer, tmp_path):
     command = [sys.executable, '-m', 'mirror_explainer.verbalize', '--json']
     for name, file in (
@@ -129,8 +146,8 @@ def test_the_answer_over_ros_is_the_answer_of_verbalize(peer, tmp_path):
         reported = peer.hear('mirror_explainer/explanation')
         eventually(lambda: reported, 'the latched answer')
     online = json.loads(reported[-1])
-    for key in ('seconds', 'planner_calls', 'hypotheses'):
-        offline.pop(key)
+    for key in ('seconds', 'planner_calls', 'hypotheses', 'inputs'):
+        offline.pop(key, None)
         online.pop(key, None)
     assert online == offline
 
