@@ -44,7 +44,7 @@ class _Job:
 
 
 class Searches:
-    """The searches of one call: `calls` were started, and ran for `searching` seconds."""
+    """The searches of one call: `calls` were started; for `searching` seconds some ran."""
 
     def __init__(self, ask: Ask, report: Report) -> None:
         self._ask = ask
@@ -53,6 +53,7 @@ class Searches:
         self._hurry = self._end - min(_RESERVE * ask.seconds, _LONGEST_RESERVE)
         self._queue: deque[_Job] = deque()
         self._running: dict[Search, _Job] = {}
+        self._searching_since = 0.0
         self.calls = 0
         self.searching = 0.0
 
@@ -78,6 +79,8 @@ class Searches:
             finally:
                 for search in self._running:
                     search.kill()
+                if self._running:
+                    self.searching += time.monotonic() - self._searching_since
         return False
 
     def _begin(self, job: _Job) -> None:
@@ -107,6 +110,8 @@ class Searches:
             if not job.text:
                 job.text, job.left = job.subjects.search_input(job.subject)
                 job.proves = job.left != OPTIMAL_AXIOMS
+            if not self._running:
+                self._searching_since = time.monotonic()
             search = Search(self._ask.downward, job.text, QUICK if job.reason else job.left[0])
             self.calls += 1
             self._running[search] = job
@@ -114,11 +119,9 @@ class Searches:
 
     def _wait(self, selector: selectors.BaseSelector, other: int) -> bool:
         """Wait for something to happen; return whether it is in `other`."""
-        before = time.monotonic()
-        first_end = min(self._limit(search) for search in self._running)
-        ready = {key.fileobj for key, _ in selector.select(max(0.0, first_end - before))}
+        left = min(self._limit(search) for search in self._running) - time.monotonic()
+        ready = {key.fileobj for key, _ in selector.select(max(0.0, left))}
         now = time.monotonic()
-        self.searching += now - before
         for search, job in list(self._running.items()):
             if search in ready:
                 self._leave(selector, search)
@@ -145,6 +148,8 @@ class Searches:
     def _leave(self, selector: selectors.BaseSelector, search: Search) -> None:
         selector.unregister(search)
         del self._running[search]
+        if not self._running:
+            self.searching += time.monotonic() - self._searching_since
 
     def _stopped(self, job: _Job, now: float) -> None:
         if now >= self._end:
