@@ -287,6 +287,7 @@ TYPES = {
     'cross_entropy_after': NUMBER,
     'understanding_before': NUMBER,
     'understanding': NUMBER,
+    'true_goal': str,
     'optimal': bool,
     'gap': NUMBER,
     'complete': bool,
