@@ -19,6 +19,7 @@ setup(
     name=PACKAGE,
     version='0.1.0',
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
+    package_data={'': ['static/*', 'templates/*', 'templates/*/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (SHARE, ['package.xml']),
@@ -37,9 +38,12 @@ setup(
     ],
     extras_require={
         'experiments': ['matplotlib>=3.7', 'pandas', 'scipy', 'tabulate', 'tqdm'],
+        'web': ['Django>=5.2,<6', 'django-htmx>=1.29', 'waitress>=3'],
         'test': [
+            'axe-playwright-python',
             'hypothesis',
             'mypy',
+            'playwright',
             'pytest',
             'pytest-benchmark',
             'pytest-timeout',
@@ -51,7 +55,7 @@ setup(
             'up-pyperplan',
         ],
     },
-    zip_safe=True,
+    zip_safe=False,  # templates and static files are read from where they lie
     maintainer='mirror_explainer maintainers',
     maintainer_email='maintainers@users.noreply.h-seed-a46baa60.example',
     description="Says the few actions of a robot's plan that tell the listener most.",

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from browser import chromium  # noqa: F401  (a fixture for all tests)
 
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.user_model import UserModel, read_user_model

@@ -91,7 +91,7 @@ def test_bad_input_ends_with_one_sentence(tmp_path, capsys):
 
 
 def test_a_missing_extra_is_named_with_the_way_to_install_it(monkeypatch, capsys):
-    from mirror_explainer.experiments import extras
+    from mirror_explainer import extras
 
     monkeypatch.setattr(extras, 'find_spec', lambda name: None)
 
@@ -101,7 +101,7 @@ def test_a_missing_extra_is_named_with_the_way_to_install_it(monkeypatch, capsys
 
 
 def test_help_needs_no_extras(monkeypatch):
-    from mirror_explainer.experiments import extras
+    from mirror_explainer import extras
 
     monkeypatch.setattr(extras, 'find_spec', lambda name: None)
 

@@ -13,8 +13,8 @@ from typing import Any
 
 from mirror_explainer.branch_and_bound import TIE
 from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.experiments.extras import MissingExtras, require_extras
 from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.offline import (
     add_file_arguments,
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for bad input, told on stderr."""
     options = _parser().parse_args(arguments)
     try:
-        require_extras()
+        require_extras('experiments')
         model = prepare_files(options).model
         for warning in model.warnings:
             print(f'compare: warning: {warning}', file=sys.stderr)

@@ -19,9 +19,9 @@ from random import Random
 from unified_planning.shortcuts import OneshotPlanner, get_environment
 
 from mirror_explainer import pddl
-from mirror_explainer.experiments.extras import MissingExtras, require_extras
 from mirror_explainer.experiments.ground_actions import ground_action
 from mirror_explainer.experiments.warehouse_files import warehouse_folder
+from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.planning import (
     Belief,
     BeliefPlans,
@@ -319,7 +319,7 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.figure:
         try:
-            require_extras()
+            require_extras('experiments')
         except MissingExtras as error:
             parser.error(str(error))
     instances = [warehouse()]

@@ -18,7 +18,6 @@ from random import Random
 from typing import Any
 
 from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.experiments.extras import MissingExtras, require_extras
 from mirror_explainer.experiments.pucrs_dataset import (
     Location,
     RecognitionProblem,
@@ -26,6 +25,7 @@ from mirror_explainer.experiments.pucrs_dataset import (
     read_instance,
 )
 from mirror_explainer.experiments.pucrs_protocol import Settings, run_instance
+from mirror_explainer.extras import MissingExtras, require_extras
 
 # In the order of the paper's figure, by the names of the data set's folders.
 PAPER_DOMAINS = (
@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the benchmark; return 0, 1 if nothing could be measured, 2 for bad input."""
     options = _parser().parse_args(arguments)
     try:
-        require_extras()
+        require_extras('experiments')
         if not options.dataset:
             raise InputError('--dataset', f'give the data set, here or in {ENVIRONMENT}')
         jobs = _jobs(options)

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.experiments.extras import MissingExtras, require_extras
 from mirror_explainer.experiments.observers import KINDS
 from mirror_explainer.experiments.participants import Noise, simulate
 from mirror_explainer.experiments.scenarios import Scenario, scenarios
 from mirror_explainer.experiments.study_design import GROWTHS, Answer, assignment
 from mirror_explainer.experiments.study_plans import PlannedScenario, plan_scenario
 from mirror_explainer.experiments.warehouse_files import read_floor
+from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.planning import Planner
 
 _LEAST_SCENARIOS = 3  # so that everybody hears every strategy
@@ -22,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for bad input, told on stderr."""
     options = _parser().parse_args(arguments)
     try:
-        require_extras()
+        require_extras('experiments')
         _simulate(options)
     except (InputError, PlanningError, MissingExtras, OSError) as error:
         print(f'user_study: {error}', file=sys.stderr)

@@ -1,0 +1,32 @@
+"""What parts of the package need beyond its core: the extras [experiments] and [web]."""
+
+from collections.abc import Mapping
+from importlib.util import find_spec
+
+# Of each extra, the modules that are imported and the packages that hold them.
+_NEEDED: Mapping[str, Mapping[str, str]] = {
+    'experiments': {
+        'matplotlib': 'matplotlib',
+        'pandas': 'pandas',
+        'scipy': 'scipy',
+        'tabulate': 'tabulate',
+        'tqdm': 'tqdm',
+    },
+    'web': {'django': "'Django>=5.2,<6'", 'django_htmx': 'django-htmx', 'waitress': 'waitress'},
+}
+_USERS = {'experiments': 'the experiments need', 'web': 'the pages need'}
+
+
+class MissingExtras(RuntimeError):
+    """Some package of an extra is not installed; the message says how to."""
+
+
+def require_extras(extra: str) -> None:
+    """Raise MissingExtras unless every package of the extra is there."""
+    needed = _NEEDED[extra]
+    missing = [package for module, package in needed.items() if find_spec(module) is None]
+    if missing:
+        raise MissingExtras(
+            f'{_USERS[extra]} {", ".join(missing)}, of the extra [{extra}]: '
+            f'pip install {" ".join(needed.values())}'
+        )

@@ -1,0 +1,52 @@
+"""What every answer carries, and who gets one: headers, and the token where one is asked for."""
+
+from collections.abc import Callable
+
+from django.conf import settings
+from django.core.exceptions import MiddlewareNotUsed
+from django.http import HttpRequest, HttpResponse, HttpResponseRedirect
+from django.shortcuts import render
+from django.utils.crypto import constant_time_compare, salted_hmac
+
+Handler = Callable[[HttpRequest], HttpResponse]
+
+
+def security_headers(get_response: Handler) -> Handler:
+    """Add the headers that Django leaves to others; pages are never kept by a browser.
+
+    So the back button shows what is the case now, not what was.
+    """
+
+    def handle(request: HttpRequest) -> HttpResponse:
+        response = get_response(request)
+        response['Content-Security-Policy'] = settings.CONTENT_SECURITY_POLICY
+        response['Cross-Origin-Resource-Policy'] = 'same-origin'
+        response.setdefault('Cache-Control', 'no-store')
+        return response
+
+    return handle
+
+
+def access(get_response: Handler) -> Handler:
+    """Let nobody in without the token, which an address has once and a cookie from then on.
+
+    The cookie has no token in it, but what only the token makes: it holds across
+    restarts with the same token.
+    """
+    token = settings.ACCESS_TOKEN
+    if not token:
+        raise MiddlewareNotUsed
+    name = f'{settings.SITE.name}_access'
+    proof = salted_hmac('mirror_explainer', 'access', token, algorithm='sha256').hexdigest()
+
+    def handle(request: HttpRequest) -> HttpResponse:
+        if constant_time_compare(request.GET.get('token', ''), token):
+            response = HttpResponseRedirect('/')  # so that no history or referrer has the token
+            response.set_cookie(name, proof, httponly=True, samesite='Lax')
+            return response
+        known = constant_time_compare(request.COOKIES.get(name, ''), proof)
+        if known or request.path.startswith(settings.STATIC_URL):
+            return get_response(request)
+        return render(request, 'no_access.html', status=403)
+
+    return handle

@@ -1,0 +1,111 @@
+"""A site, where it is served, and the Django settings that follow from both.
+
+Settings are made in code, so that a page is a package like any other. Django keeps
+them for the whole process: one process serves one site.
+"""
+
+import secrets
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import django
+from django.conf import settings
+
+from mirror_explainer.web.address import Address
+
+# Nothing from elsewhere, nothing inline: a page can neither load nor run what we did not write.
+_POLICY = {
+    'default-src': "'none'",
+    'script-src': "'self'",
+    'style-src': "'self'",
+    'img-src': "'self'",
+    'connect-src': "'self'",
+    'form-action': "'self'",
+    'base-uri': "'none'",
+    'frame-ancestors': "'none'",
+}
+CONTENT_SECURITY_POLICY = '; '.join(f'{what} {where}' for what, where in _POLICY.items())
+
+
+@dataclass(frozen=True)
+class Site:
+    """Some pages that are served together.
+
+    `app` is the package of a Django app: its templates/ and static/ are used, its
+    module `urls` has the urlpatterns. `name`, one word, begins the names of its
+    cookies, for a browser does not tell the ports of one machine apart. `database`
+    is an SQLite file, None for pages that keep nothing.
+    """
+
+    name: str
+    app: str
+    database: Path | None = None
+
+
+def configure(site: Site, address: Address) -> None:
+    """Set Django up for this site, once a process; its database is brought up to date."""
+    settings.configure(
+        SITE=site,
+        ACCESS_TOKEN=address.token,
+        ALLOWED_HOSTS=list(address.names),
+        CONTENT_SECURITY_POLICY=CONTENT_SECURITY_POLICY,
+        # Signs nothing that has to outlive the process.
+        SECRET_KEY=secrets.token_urlsafe(32),
+        ROOT_URLCONF='mirror_explainer.web.urls',
+        INSTALLED_APPS=['mirror_explainer.web', 'django_htmx', site.app],
+        MIDDLEWARE=[
+            'mirror_explainer.web.middleware.security_headers',
+            'django.middleware.security.SecurityMiddleware',
+            'django.middleware.common.CommonMiddleware',  # checks the Host header first
+            'mirror_explainer.web.middleware.access',
+            'django.middleware.csrf.CsrfViewMiddleware',
+            'django.middleware.clickjacking.XFrameOptionsMiddleware',
+            'django_htmx.middleware.HtmxMiddleware',
+        ],
+        TEMPLATES=[
+            {
+                'BACKEND': 'django.template.backends.django.DjangoTemplates',
+                'APP_DIRS': True,
+                'OPTIONS': {
+                    'builtins': ['django.templatetags.static'],
+                    'context_processors': ['django.template.context_processors.request'],
+                },
+            }
+        ],
+        DATABASES=_databases(site.database),
+        DEFAULT_AUTO_FIELD='django.db.models.BigAutoField',
+        STATIC_URL='/static/',
+        APPEND_SLASH=False,
+        USE_I18N=False,
+        USE_TZ=True,
+        CSRF_COOKIE_NAME=f'{site.name}_csrf',
+        CSRF_COOKIE_HTTPONLY=True,
+        CSRF_COOKIE_SAMESITE='Lax',
+        X_FRAME_OPTIONS='DENY',
+        SECURE_REFERRER_POLICY='same-origin',
+        LOGGING_CONFIG=None,  # Python's own default: warnings and errors on stderr
+    )
+    django.setup()
+    if site.database is not None:
+        from django.core.management import call_command
+
+        call_command('migrate', verbosity=0)
+
+
+def _databases(file: Path | None) -> dict[str, Any]:
+    """Return Django's databases: at most one SQLite file, safe against kills and power cuts."""
+    if file is None:
+        return {}
+    return {
+        'default': {
+            'ENGINE': 'django.db.backends.sqlite3',
+            'NAME': file,
+            'OPTIONS': {
+                'init_command': 'PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;',
+                # Readers that go on to write would otherwise fail when two of them meet.
+                'transaction_mode': 'IMMEDIATE',
+                'timeout': 20,  # s, to wait for another writer
+            },
+        }
+    }

@@ -1,0 +1,1 @@
+"""The smallest site there can be, to test what all sites share."""

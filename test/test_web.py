@@ -1,0 +1,233 @@
+"""What all pages share: who may come, headers, static files, and pages that say what is wrong."""
+
+import argparse
+import http.client
+import signal
+
+import pytest
+
+pytest.importorskip('django', reason='the extra [web] is not installed')
+
+from browser import overflow, person, served, violations  # noqa: E402
+
+from mirror_explainer.web.address import add_address_arguments, address  # noqa: E402
+from mirror_explainer.web.site import CONTENT_SECURITY_POLICY  # noqa: E402
+
+TOKEN = 'a-token-of-the-test'
+PROGRAM = """
+import argparse, sys
+from mirror_explainer.web.address import add_address_arguments, address
+from mirror_explainer.web.serving import serve
+from mirror_explainer.web.site import Site
+parser = argparse.ArgumentParser()
+add_address_arguments(parser, 0)
+serve(Site('demo', 'demo_page'), address(parser.parse_args()))
+"""
+
+
+def demo(*arguments):
+    return served(['-c', PROGRAM, *arguments])
+
+
+@pytest.fixture(scope='module')
+def site():
+    with demo() as server:
+        yield server
+
+
+@pytest.fixture(scope='module')
+def guarded():
+    with demo('--token', TOKEN) as server:
+        yield server
+
+
+def ask(server, path='/', method='GET', body=None, host='localhost', **headers):
+    """Ask over plain HTTP, with no help from any library; follow nothing."""
+    connection = http.client.HTTPConnection('127.0.0.1', int(server.port))
+    named = {name.replace('_', '-'): value for name, value in headers.items()}
+    connection.request(method, path, body, {'Host': f'{host}:{server.port}', **named})
+    response = connection.getresponse()
+    response.text = response.read().decode()
+    connection.close()
+    return response
+
+
+def parsed(*arguments):
+    parser = argparse.ArgumentParser()
+    add_address_arguments(parser, 8000)
+    return address(parser.parse_args(arguments))
+
+
+# Who may come
+
+
+def test_by_default_only_this_machine_is_listened_to():
+    at = parsed()
+
+    assert (at.host, at.port, at.token) == ('127.0.0.1', 8000, None)
+    assert at.url(8000) == 'http://127.0.0.1:8000/'
+
+
+@pytest.mark.parametrize('host', ['0.0.0.0', '192.0.2.7', '::'])
+def test_anything_wider_than_this_machine_gets_a_token(host):
+    at = parsed('--host', host)
+
+    assert len(at.token) >= 20
+    assert at.token != parsed('--host', host).token
+    assert at.url(1).endswith(f':1/?token={at.token}')
+
+
+def test_a_name_given_is_the_one_in_the_printed_address():
+    at = parsed('--host', '0.0.0.0', '--name', 'robot.example', '--token', TOKEN)
+
+    assert at.url(80) == f'http://robot.example:80/?token={TOKEN}'
+
+
+@pytest.mark.parametrize('host', ['localhost', '127.0.0.1'])
+def test_this_machine_is_reached_by_its_own_names(site, host):
+    assert ask(site, host=host).status == 200
+
+
+@pytest.mark.parametrize('path', ['/', '/static/style.css'])
+def test_another_name_that_points_here_is_refused(site, path):
+    response = ask(site, path, host='evil.example')
+
+    assert response.status == 400
+    assert 'was not understood' in response.text
+
+
+def test_without_the_token_nothing_is_shown(guarded):
+    for path in ('/', '/broken', '/nowhere', '/?token=', '/?token=wrong', '/?token=%C3%A9'):
+        response = ask(guarded, path)
+        assert response.status == 403, path
+        assert 'the full address' in response.text
+    assert ask(guarded, method='POST', body='said=hello').status == 403
+
+
+def test_the_token_is_exchanged_for_a_cookie_that_does_not_hold_it(guarded):
+    first = ask(guarded, f'/?token={TOKEN}')
+    cookie = first.headers['Set-Cookie']
+
+    assert (first.status, first.headers['Location']) == (302, '/')
+    assert TOKEN not in cookie
+    assert 'HttpOnly' in cookie
+    assert 'SameSite=Lax' in cookie
+    assert ask(guarded, Cookie=cookie.split(';')[0]).status == 200
+    assert ask(guarded, Cookie='demo_access=guessed').status == 403
+
+
+def test_the_token_never_sends_a_browser_elsewhere(guarded):
+    assert ask(guarded, f'//evil.example/?token={TOKEN}').headers['Location'] == '/'
+
+
+def test_a_form_from_elsewhere_is_refused(site):
+    page = ask(site)
+    cookie = page.headers['Set-Cookie'].split(';')[0]
+    token = page.text.split('csrfmiddlewaretoken" value="')[1].split('"')[0]
+    sent = {
+        'Content_Type': 'application/x-www-form-urlencoded',
+        'Cookie': cookie,
+    }
+    body = f'csrfmiddlewaretoken={token}&said=hello'
+
+    assert ask(site, method='POST', body=body, **sent).text == 'hello'
+    elsewhere = ask(site, method='POST', body=body, Origin='http://evil.example', **sent)
+    assert elsewhere.status == 403
+    assert 'This form has expired' in elsewhere.text
+    assert ask(site, method='POST', body='said=hello', **sent).status == 403
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'reason'),
+    [
+        (['--port', '70000'], '"70000" is no port'),
+        (['--token', 'short'], 'a token has 8 or more'),
+    ],
+)
+def test_bad_arguments_end_with_a_sentence(arguments, reason, capsys):
+    with pytest.raises(SystemExit):
+        parsed(*arguments)
+
+    assert reason in capsys.readouterr().err
+
+
+# What is sent
+
+
+@pytest.mark.parametrize('path', ['/', '/static/style.css', '/nowhere', '/broken'])
+def test_every_answer_forbids_what_no_page_needs(site, path):
+    headers = ask(site, path).headers
+
+    assert headers['Content-Security-Policy'] == CONTENT_SECURITY_POLICY
+    assert "default-src 'none'" in CONTENT_SECURITY_POLICY
+    assert 'unsafe' not in CONTENT_SECURITY_POLICY
+    assert headers['X-Content-Type-Options'] == 'nosniff'
+    assert headers['X-Frame-Options'] == 'DENY'
+    assert headers['Referrer-Policy'] == 'same-origin'
+    assert headers['Cache-Control'] in ('no-store', 'no-cache')
+    assert 'Server' not in headers
+
+
+def test_static_files_are_a_fixed_list(site):
+    for name, kind in (
+        ('style.css', 'text/css'),
+        ('htmx.min.js', 'text/javascript'),
+        ('icon.svg', 'image/svg+xml'),
+    ):
+        response = ask(site, f'/static/{name}')
+        assert response.status == 200
+        assert response.headers['Content-Type'].split(';')[0] == kind
+        again = ask(site, f'/static/{name}', If_None_Match=response.headers['ETag'])
+        assert again.status == 304
+    for path in (
+        '/static/',
+        '/static/../static_files.py',
+        '/static/%2e%2e/static_files.py',
+        '/static/..%2fstatic_files.py',
+        '/static//etc/passwd',
+        '/static/style.css%00',
+        '/../../etc/passwd',
+    ):
+        assert ask(site, path).status == 404, path
+
+
+def test_a_mistake_of_ours_shows_no_insides(site):
+    response = ask(site, '/broken')
+
+    assert response.status == 500
+    assert 'has made a mistake' in response.text
+    assert 'on purpose' not in response.text
+
+
+def test_a_body_larger_than_any_form_is_refused(site):
+    kind = 'application/x-www-form-urlencoded'
+    assert ask(site, method='POST', body='a=' + 'x' * 100_000, Content_Type=kind).status == 413
+
+
+@pytest.mark.parametrize('told', [signal.SIGINT, signal.SIGTERM])
+def test_a_server_ends_when_it_is_told_to(told):
+    with demo() as server:
+        server.process.send_signal(told)
+
+        assert server.process.wait() == 0
+
+
+# In a browser
+
+
+def test_a_page_updates_itself_within_the_policy(site, chromium):
+    with person(chromium) as page:
+        page.goto(site.url)
+        page.get_by_label('Say').fill('<b>hello</b>')
+        page.keyboard.press('Enter')
+        page.wait_for_function("document.getElementById('said').textContent == 'hello'")
+
+
+@pytest.mark.parametrize('screen', ['desktop', 'zoomed', 'tablet'])
+def test_pages_that_say_what_is_wrong_can_be_read_by_everyone(site, chromium, screen):
+    with person(chromium, screen) as page:
+        for path in ('', 'nowhere', 'broken'):
+            page.goto(f'{site.url}{path}')
+            assert violations(page) == []
+            assert overflow(page) <= 0
+        page.errors.clear()  # chromium reports the 404 and the 500 that were asked for
