@@ -15,13 +15,15 @@ from mirror_explainer.web.site import CONTENT_SECURITY_POLICY  # noqa: E402
 
 TOKEN = 'a-token-of-the-test'
 PROGRAM = """
-import argparse, sys
+import argparse
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.serving import serve
-from mirror_explainer.web.site import Site
+from mirror_explainer.web.site import Site, configure
 parser = argparse.ArgumentParser()
 add_address_arguments(parser, 0)
-serve(Site('demo', 'demo_page'), address(parser.parse_args()))
+at = address(parser.parse_args())
+configure(Site('demo', 'demo_page'), at)
+serve(at)
 """
 
 

@@ -4,5 +4,6 @@ A page is a Django app: a package with urls.py, templates/ (each extends base.ht
 static/ (each file is served as `{% static 'name' %}`). A command names it and serves it:
 
     add_address_arguments(parser, port=8080)
-    serve(Site('operator', 'mirror_explainer.operator_page'), address(options))
+    configure(Site('operator', 'mirror_explainer.operator_page'), at := address(options))
+    serve(at)
 """

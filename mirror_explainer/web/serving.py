@@ -5,14 +5,13 @@ import socket
 from typing import NoReturn
 
 from mirror_explainer.web.address import Address
-from mirror_explainer.web.site import Site, configure
 
 _THREADS = 8
 _LARGEST_REQUEST = 64 * 1024  # bytes, more than any form has
 
 
-def serve(site: Site, address: Address) -> None:
-    """Serve the site, say on stdout where, and return on SIGINT or SIGTERM.
+def serve(address: Address) -> None:
+    """Serve the configured site, say on stdout where, and return on SIGINT or SIGTERM.
 
     To be called from the main thread. Raises OSError where nothing can listen at
     the address.
@@ -21,7 +20,6 @@ def serve(site: Site, address: Address) -> None:
     from django.core.wsgi import get_wsgi_application
     from waitress import create_server
 
-    configure(site, address)
     with _listening(address) as listening:
         server = create_server(
             get_wsgi_application(),

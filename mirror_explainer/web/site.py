@@ -43,12 +43,15 @@ class Site:
     database: Path | None = None
 
 
-def configure(site: Site, address: Address) -> None:
-    """Set Django up for this site, once a process; its database is brought up to date."""
+def configure(site: Site, address: Address | None = None) -> None:
+    """Set Django up for this site, once a process; its database is brought up to date.
+
+    Without an address nothing can be served, only the database be used.
+    """
     settings.configure(
         SITE=site,
-        ACCESS_TOKEN=address.token,
-        ALLOWED_HOSTS=list(address.names),
+        ACCESS_TOKEN=address.token if address else None,
+        ALLOWED_HOSTS=list(address.names) if address else [],
         CONTENT_SECURITY_POLICY=CONTENT_SECURITY_POLICY,
         # Signs nothing that has to outlive the process.
         SECRET_KEY=secrets.token_urlsafe(32),
