@@ -155,7 +155,11 @@ def robot_plan(task: Task, text: str, source: str = 'plan') -> Plan:
     except InputError as error:
         if steps:
             raise
-        raise NoPlanError(source, 'the robot has no current plan') from error
+        raise NoPlanError(
+            source,
+            'the robot has no current plan',
+            cure='Nothing is to be done if the robot has no task now: its next plan is explained.',
+        ) from error
     return Plan(tuple(step.action for step in steps), cost)
 
 
@@ -242,9 +246,15 @@ def explain(
 def _planned(result: BeliefPlans) -> Plan:
     """Return PLAN(P_R), or raise PlanningError if there is none."""
     if result.status is Status.UNSOLVABLE:
-        raise PlanningError("the robot's own goal cannot be reached from its initial state")
+        raise PlanningError(
+            "the robot's own goal cannot be reached from its initial state",
+            cure='Correct the :init or the :goal of the problem.',
+        )
     if result.status is Status.UNKNOWN:
-        raise PlanningError(f"no plan was found for the robot's own goal ({result.reason})")
+        raise PlanningError(
+            f"no plan was found for the robot's own goal ({result.reason})",
+            cure="Give planning more time or memory, or give the robot's plan.",
+        )
     return result.plans[0]
 
 
@@ -252,5 +262,9 @@ def _positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple
     """Return the first plan position of each sentence that was said."""
     for sentence in said:
         if sentence not in model.sentences:
-            raise InputError(source, f'no step of the plan is said as "{sentence}"')
+            raise InputError(
+                source,
+                f'no step of the plan is said as "{sentence}"',
+                cure='Leave it out, or give the plan and the user model it was said with.',
+            )
     return tuple(model.sentences.index(sentence) for sentence in dict.fromkeys(said))

@@ -232,8 +232,8 @@ def _require_alternatives(prior: Prior, results: Sequence[BeliefPlans]) -> None:
     unknown = [result for result in others if result.status is Status.UNKNOWN]
     if unknown and not any(result.status is Status.SOLVED for result in others):
         raise PlanningError(
-            f'no plan was found for any other belief that the user may hold '
-            f'({unknown[0].reason}): give planning more time, or the user model fewer beliefs'
+            f'no plan was found for any other belief that the user may hold ({unknown[0].reason})',
+            cure='Raise planning_timeout and deadline, or give the user model fewer beliefs.',
         )
 
 

@@ -176,13 +176,20 @@ def goal_expression(model: up.Problem, goal: str, source: str = 'goal') -> up.FN
 def require_definition(text: str, kind: str, source: str) -> None:
     """Raise InputError unless the text begins as a PDDL domain or problem should."""
     if not text.strip():
-        raise InputError(source, f'the text is empty; a PDDL {kind} is expected')
+        raise InputError(
+            source,
+            f'the text is empty; a PDDL {kind} is expected',
+            cure='Give the whole text; only a plan may be empty.',
+        )
     found = re.match(
         r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\s*\(\s*(domain|problem)\b', text, re.IGNORECASE
     )
     if found is None:
         raise InputError(
-            source, f'this is no PDDL {kind}: it must begin with (define ({kind} …)', 1
+            source,
+            f'this is no PDDL {kind}: it must begin with (define ({kind} …)',
+            1,
+            cure=f'Give the text of the {kind} here, not the name of a file or another text.',
         )
     if found[1].lower() != kind:
         raise InputError(
@@ -190,6 +197,7 @@ def require_definition(text: str, kind: str, source: str) -> None:
             f'this is a PDDL {found[1].lower()}, but a {kind} is expected here: '
             'are the two mixed up?',
             text.count('\n', 0, found.end()) + 1,
+            cure='Check which is which: the files, or the names and remappings of the topics.',
         )
 
 

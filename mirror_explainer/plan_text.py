@@ -32,6 +32,12 @@ _LINE = re.compile(
 _LASTING = re.compile(rf'\s*(?:d\s*:\s*)?(?P<seconds>{_NUMBER})\s*(?:;.*)?', re.IGNORECASE)
 _HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\s*', re.IGNORECASE)
 
+_ANOTHER_TASK = 'Give domain, problem and plan of one task; this plan seems to be for another.'
+_NOT_CURRENT = (
+    'Give the problem with the state as it is now, and the plan with what is left to do from '
+    'there; publish both, one right after the other, whenever either changes.'
+)
+
 
 @dataclass(frozen=True)
 class Step:
@@ -59,12 +65,22 @@ def read_plan(text: str, source: str = 'plan') -> tuple[Step, ...]:
     """
     text = text.removeprefix('\ufeff')
     if re.match(r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\b', text, re.IGNORECASE):
-        raise InputError(source, 'this is a PDDL definition, but a plan is expected here', 1)
+        raise InputError(
+            source,
+            'this is a PDDL definition, but a plan is expected here: are the two mixed up?',
+            1,
+            cure='Check which is which: the files, or the names and remappings of the topics.',
+        )
     steps = list(_steps(text, source))
     timed = [step for step in steps if step.start is not None]
     if timed and len(timed) < len(steps):
         line = next(step.line for step in steps if step.start is None)
-        raise InputError(source, 'this line has no start time, but others have', line)
+        raise InputError(
+            source,
+            'this line has no start time, but others have',
+            line,
+            cure='Give every line a start time, or none.',
+        )
     return tuple(sorted(steps, key=lambda step: step.start or 0.0))
 
 
@@ -86,12 +102,15 @@ def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> flo
         missing = re.search(r'does not have a value for the value (.+)', str(error))
         if missing:
             raise InputError(
-                source, f'the problem gives no value for {missing[1]}, which the plan needs'
+                source,
+                f'the problem gives no value for {missing[1]}, which the plan needs',
+                cure='Give it a value in the :init of the problem.',
             ) from error
         raise InputError(
             source,
             'the plan cannot be checked: the problem may use more of PDDL than actions without '
             f'duration, or leave numbers without a first value ({error})',
+            cure='Leave that out of the PDDL; the README says what is not read.',
         ) from error
     if result.status is not ValidationResultStatus.VALID:
         raise _failure(task, steps, result, source)
@@ -122,7 +141,12 @@ def _steps(text: str, source: str) -> Iterator[Step]:
         found = _LINE.fullmatch(content.strip())
         # A bare word is an action after "0:", or as unified-planning prints one without arguments.
         if not found or (found['bare'] and not found['start'] and not in_up_plan):
-            raise InputError(source, f'this is no action of a plan: "{line.strip()[:80]}"', number)
+            raise InputError(
+                source,
+                f'this is no action of a plan: "{line.strip()[:80]}"',
+                number,
+                cure='Write one action a line, such as (move a b) or 0.5: (move a b) [2.0].',
+            )
         words = found['lisp'] or found['bare']
         if words is None:
             words = f'{found["name"]} {(found["arguments"] or "").replace(",", " ")}'
@@ -137,16 +161,26 @@ def _action_instance(task: Task, step: Step, source: str) -> ActionInstance:
     name, *arguments = step.words
     model = task.model
     if not model.has_action(name):
-        raise InputError(source, f'the domain has no action "{name}"', step.line)
+        raise InputError(
+            source, f'the domain has no action "{name}"', step.line, cure=_ANOTHER_TASK
+        )
     action = model.action(name)
     if len(arguments) != len(action.parameters):
         count = len(action.parameters)
-        raise InputError(source, f'{step.action}: "{name}" takes {count} arguments', step.line)
+        raise InputError(
+            source,
+            f'{step.action}: "{name}" takes {count} arguments',
+            step.line,
+            cure=_ANOTHER_TASK,
+        )
     objects = []
     for argument, parameter in zip(arguments, action.parameters, strict=True):
         if not model.has_object(argument):
             raise InputError(
-                source, f'{step.action}: the problem has no object "{argument}"', step.line
+                source,
+                f'{step.action}: the problem has no object "{argument}"',
+                step.line,
+                cure=_ANOTHER_TASK,
             )
         item = model.object(argument)
         if not parameter.type.is_compatible(item.type):
@@ -155,6 +189,7 @@ def _action_instance(task: Task, step: Step, source: str) -> ActionInstance:
                 f'{step.action}: {argument} is of type {item.type.name}, '
                 f'but "{name}" takes a {parameter.type.name} there',
                 step.line,
+                cure=_ANOTHER_TASK,
             )
         objects.append(item)
     return ActionInstance(action, model.environment.expression_manager.auto_promote(objects))
@@ -169,7 +204,9 @@ def _failure(
     state = result.trace[-1]
     if result.inapplicable_action is None:
         missing = [g for g in task.model.goals if not evaluator.evaluate(g, state).is_true()]
-        return InputError(source, f'the plan does not reach the goal: {_conditions(missing)}')
+        return InputError(
+            source, f'the plan does not reach the goal: {_conditions(missing)}', cure=_NOT_CURRENT
+        )
     position = len(result.trace) - 1
     step = steps[position]
     instance = result.inapplicable_action
@@ -189,6 +226,7 @@ def _failure(
         f'{step.action} cannot be carried out as step {position + 1} of {len(steps)}: {lacks}'
         f'{_concurrency(task, steps, position)}',
         step.line,
+        cure=_NOT_CURRENT,
     )
 
 

@@ -25,6 +25,12 @@ from mirror_explainer.user_model import read_user_model
 SETTLING_SECONDS = 0.1
 LONGEST_SETTLING_SECONDS = 0.5
 
+_START = (
+    "Start what publishes these topics in the node's namespace, or remap them; set the parameters."
+)
+_CORRECT = 'Correct it there: a new message, or the changed file, is taken up by itself.'
+_REPORT = 'Report it with the log and the inputs; the next input is tried all the same.'
+
 
 @dataclass(frozen=True)
 class Text:
@@ -82,13 +88,15 @@ class Phase(Enum):
 class State:
     """Where things stand: `message` says it in words, `preparation` is there when READY.
 
-    `inputs` are those that it is about; `since` is in seconds of time.monotonic().
+    `inputs` are those that it is about; `cure` says what a person can do about it.
+    `since` is in seconds of time.monotonic().
     """
 
     phase: Phase
     message: str
     preparation: Preparation | None = None
     inputs: Inputs = field(default_factory=Inputs)
+    cure: str = ''
     since: float = field(default_factory=time.monotonic)
 
 
@@ -198,12 +206,14 @@ class Updates:
         try:
             if inputs.missing:
                 _check_alone(inputs)
-                return State(Phase.WAITING, f'waiting for {", ".join(inputs.missing)}')
+                return State(
+                    Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
+                )
             return State(Phase.READY, 'ready', self._prepare(inputs, cancelled))
         except NoPlanError as error:
-            return State(Phase.WAITING, str(error))
+            return State(Phase.WAITING, str(error), cure=error.cure)
         except (InputError, PlanningError) as error:
-            return State(Phase.ERROR, str(error))
+            return State(Phase.ERROR, str(error), cure=error.cure or _CORRECT)
         except Cancelled:
             raise
         except Exception as error:  # the node must outlive a fault of ours
@@ -258,7 +268,7 @@ class Updates:
 
 
 def _internal_error(error: Exception) -> State:
-    return State(Phase.ERROR, f'internal error, please report it: {error!r}')
+    return State(Phase.ERROR, f'internal error, please report it: {error!r}', cure=_REPORT)
 
 
 def _check_alone(inputs: Inputs) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from mirror_explainer.errors import InputError, PlanningError
+from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.explainer import STRATEGIES, Explanation, explain
 from mirror_explainer.offline import (
     add_file_arguments,
@@ -31,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         else:
             print(text)
     except (InputError, PlanningError, OSError) as error:
-        print(f'verbalize: {error}', file=sys.stderr)
+        print(f'verbalize: {told(error)}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

@@ -193,7 +193,8 @@ def test_a_goal_that_the_robot_cannot_reach_is_told(verbalize, tmp_path: Path) -
 
     assert (done.returncode, done.stdout) == (2, '')
     assert done.stderr == (
-        "verbalize: the robot's own goal cannot be reached from its initial state\n"
+        "verbalize: the robot's own goal cannot be reached from its initial state. "
+        'Correct the :init or the :goal of the problem.\n'
     )
 
 
@@ -235,7 +236,8 @@ def test_files_mixed_up_are_told(in_process, warehouse: Path) -> None:
     assert in_process(domain=problem, problem=domain) == (
         2,
         f'verbalize: {problem}, line 6: this is a PDDL problem, but a domain is expected here: '
-        'are the two mixed up?\n',
+        'are the two mixed up? Check which is which: the files, or the names and remappings of '
+        'the topics.\n',
     )
 
 
@@ -247,7 +249,9 @@ def test_a_plan_for_another_problem_is_told_with_its_first_failing_step(
     assert in_process(problem=problem) == (
         2,
         f'verbalize: {warehouse}/plan.txt, line 10: (exit bottom_door right) cannot be carried '
-        'out as step 10 of 10: (charged) does not hold\n',
+        'out as step 10 of 10: (charged) does not hold. Give the problem with the state as it is '
+        'now, and the plan with what is left to do from there; publish both, one right after the '
+        'other, whenever either changes.\n',
     )
 
 
@@ -255,7 +259,10 @@ def test_an_empty_plan_is_told(in_process, tmp_path: Path) -> None:
     plan = tmp_path / 'plan.txt'
     plan.write_text('; cost = 0\n')
 
-    assert in_process(plan=plan) == (2, f'verbalize: {plan}: the robot has no current plan\n')
+    status, told = in_process(plan=plan)
+
+    assert status == 2
+    assert told.startswith(f'verbalize: {plan}: the robot has no current plan. Nothing is to be')
 
 
 def test_a_file_that_is_no_text_or_a_folder_is_told(in_process, tmp_path: Path) -> None:

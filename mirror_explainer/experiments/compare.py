@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mirror_explainer.branch_and_bound import TIE
-from mirror_explainer.errors import InputError, PlanningError
+from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.mirror_model import MirrorModel
@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             png, svg = save(comparison_figure(model, curves, LEVELS), path)
             print(f'\nFigure: {png}, {svg}')
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'compare: {error}', file=sys.stderr)
+        print(f'compare: {told(error)}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130

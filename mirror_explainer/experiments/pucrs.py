@@ -17,7 +17,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from mirror_explainer.errors import InputError, PlanningError
+from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.experiments.pucrs_dataset import (
     Location,
     RecognitionProblem,
@@ -74,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         measured = write_report(records, options.output, _command(options))
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'pucrs_benchmark: {error}', file=sys.stderr)
+        print(f'pucrs_benchmark: {told(error)}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print('pucrs_benchmark: stopped; the same command goes on from here', file=sys.stderr)

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from mirror_explainer.errors import InputError, PlanningError
+from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.experiments.observers import KINDS
 from mirror_explainer.experiments.participants import Noise, simulate
 from mirror_explainer.experiments.scenarios import Scenario, scenarios
@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         require_extras('experiments')
         _simulate(options)
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'user_study: {error}', file=sys.stderr)
+        print(f'user_study: {told(error)}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130
@@ -44,7 +44,10 @@ def _simulate(options: argparse.Namespace) -> None:
     for name, reason in left_out.items():
         print(f'user_study: left out: {name}: {reason}', file=sys.stderr)
     if len(planned) < _LEAST_SCENARIOS:
-        raise PlanningError(f'only {len(planned)} scenarios could be planned for')
+        raise PlanningError(
+            f'only {len(planned)} scenarios could be planned for',
+            cure='Ask for fewer, or give planning more time.',
+        )
     answers = answer_table(_answers(planned, options))
     command = _command(options)
     write_report(results(answers, options.seed), planned, left_out, options.output, command)

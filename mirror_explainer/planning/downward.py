@@ -113,12 +113,13 @@ def find_downward(named: str) -> str | None:
         if importlib.util.find_spec('fast_downward') is None:
             raise PlanningError(
                 "Fast Downward's translator is not installed, and the program named as "
-                'downward_binary is of no use without it: pip install fast-downward-translate.'
+                'downward_binary is of no use without it',
+                cure='pip install fast-downward-translate',
             )
         if not os.access(named, os.X_OK) or Path(named).is_dir():
             raise PlanningError(
-                f'There is no program at "{named}", which is named as downward_binary. Give the '
-                "path of Fast Downward's search program, or leave it empty."
+                f'there is no program at "{named}", which is named as downward_binary',
+                cure="Give the path of Fast Downward's search program, or leave it empty.",
             )
         return str(Path(named).resolve())
     if importlib.util.find_spec('fast_downward') is None:

@@ -77,7 +77,10 @@ class DownwardWay:
             except BaseException:
                 self._stop(self._worker)
                 raise
-        raise PlanningError(f'The planning process died: {words or "it was killed"}.')
+        raise PlanningError(
+            f'the planning process died more than once: {words or "it was killed"}',
+            cure='See whether the machine ran out of memory (dmesg); if not, please report it.',
+        )
 
     def _ask(
         self,

@@ -120,7 +120,10 @@ class EnginePool:
             elif belief:
                 work.record(belief, unknown(reason, crashed=True))
             else:
-                raise PlanningError(f'Planning does not start: {reason}.') from None
+                raise PlanningError(
+                    f'planning does not start: {reason}',
+                    cure='Raise planner_memory_limit, or name another engine as the planner.',
+                ) from None
             return
         seat.busy = False
         seat.belief = None

@@ -103,9 +103,9 @@ def _engine_class(name: str) -> Any:
     planners = sorted(e for e in factory.engines if factory.engine(e).is_oneshot_planner())
     if name not in planners:
         raise PlanningError(
-            f'There is no planning engine "{name}" here. Installed are: '
-            f'{", ".join(planners) or "none"}. Name one of them, or install it for '
-            'unified-planning.'
+            f'there is no planning engine "{name}" here; installed are: '
+            f'{", ".join(planners) or "none"}',
+            cure='Name one of them as the planner, or install it for unified-planning.',
         )
     return factory.engine(name)
 
@@ -116,8 +116,9 @@ def _require_support(name: str, engine_class: Any, model: up.Problem) -> None:
     if missing or not engine_class.supports(model.kind):
         words = ', '.join(sorted(feature.lower().replace('_', ' ') for feature in missing))
         raise PlanningError(
-            f'The planning engine "{name}" does not support this problem'
-            f'{f": {words}" if words else ""}. Name another engine, or leave that out.'
+            f'the planning engine "{name}" does not support this problem'
+            f'{f": {words}" if words else ""}',
+            cure='Name another engine as the planner, or leave that out of the PDDL.',
         )
 
 
@@ -134,9 +135,12 @@ def main() -> None:
             try:
                 beliefs = Beliefs(message.engine, message.space)
             except InputError as error:
-                parent.send(Refusal(str(error), (error.source, error.reason, error.line)))
-            except (PlanningError, UPException) as error:
-                parent.send(Refusal(str(error)))
+                place = (error.source, error.reason, error.line)
+                parent.send(Refusal(str(error), error.cure, place))
+            except PlanningError as error:
+                parent.send(Refusal(str(error), error.cure))
+            except UPException as error:
+                parent.send(Refusal(str(error), 'Name another engine as the planner.'))
             else:
                 parent.send(None)
         elif beliefs is not None:

@@ -19,16 +19,19 @@ class Setup:
 class Refusal:
     """From a worker: why the space cannot be planned for.
 
-    `sentence` says it in full. `place` is the (source, reason, line) of an
-    InputError, None when the input is not to blame.
+    `sentence` says it in full, `cure` what to do about it. `place` is the (source,
+    reason, line) of an InputError, None when the input is not to blame.
     """
 
     sentence: str
+    cure: str
     place: tuple[str, str, int | None] | None = None
 
     def error(self) -> InputError | PlanningError:
         """Return the error to raise in the calling process."""
-        return InputError(*self.place) if self.place else PlanningError(self.sentence)
+        if self.place:
+            return InputError(*self.place, cure=self.cure)
+        return PlanningError(self.sentence, cure=self.cure)
 
 
 @dataclass(frozen=True)

@@ -107,8 +107,9 @@ class Planner:
             )
             if missing and results.crashes == len(missing):
                 raise PlanningError(
-                    f'The planning engine "{self._engine}" failed on every belief; on the last '
-                    f'one: {results.last_reason}. Try another engine.'
+                    f'the planning engine "{self._engine}" failed on every belief; on the last '
+                    f'one: {results.last_reason}',
+                    cure='Name another engine as the planner.',
                 )
             found = tuple(results.get(belief) for belief in beliefs)
         _log.debug('%d beliefs: %s, %d calls', len(beliefs), done.way, done.calls)

@@ -32,12 +32,18 @@ class Worker:
             try:
                 self._directory = Path(tempfile.mkdtemp(prefix='mirror_explainer_'))
             except OSError as error:
-                raise PlanningError(f'No temporary directory for planning: {error}.') from error
+                raise PlanningError(
+                    f'there is no temporary folder to plan in: {error}',
+                    cure='Free space on the disk, or set TMPDIR to a folder that can be written.',
+                ) from error
             try:
                 self._process = self._start(module, theirs.fileno(), environment)
             except OSError as error:
                 shutil.rmtree(self._directory, ignore_errors=True)
-                raise PlanningError(f'The planning process does not start: {error}.') from error
+                raise PlanningError(
+                    f'the planning process does not start: {error}',
+                    cure='Free memory, or allow more processes (ulimit -u; TasksMax in systemd).',
+                ) from error
 
     def _start(
         self, module: str, descriptor: int, environment: Mapping[str, str] | None
