@@ -80,14 +80,17 @@ def test_a_threshold_that_is_never_reached_says_what_tells_all():
     assert sufficient(curves, 0.1) == 2  # H = 0.2 is as low as it gets
 
 
-def test_bad_input_ends_with_one_sentence(tmp_path, capsys):
+def test_bad_input_is_told_with_its_cure(tmp_path, capsys):
     plan = tmp_path / 'plan.txt'
     plan.write_text('(fly center left)\n')
 
     assert main(_arguments('--plan', str(plan))) == 2
 
     error = capsys.readouterr().err
-    assert error == f'compare: {plan}, line 1: the domain has no action "fly"\n'
+    assert error == (
+        f'compare: {plan}, line 1: the domain has no action "fly". Give domain, problem and plan '
+        'of one task; this plan seems to be for another.\n'
+    )
 
 
 def test_a_missing_extra_is_named_with_the_way_to_install_it(monkeypatch, capsys):
