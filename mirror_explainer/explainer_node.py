@@ -5,6 +5,10 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
+# Our matrices are small: numpy's own threads only take the processors from the robot.
+# numpy reads this when it is imported.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import SetParametersResult

@@ -12,11 +12,14 @@ import threading
 from multiprocessing.connection import Connection
 from typing import Any
 
+from mirror_explainer.planning.confinement import confine
+
 
 class Parent:
     """The process that started this one, as seen from here."""
 
     def __init__(self) -> None:
+        confine()
         # Ctrl-C reaches the whole foreground group; what to do then is the parent's decision.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         self._connection = Connection(int(sys.argv[1]))

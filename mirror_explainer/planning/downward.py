@@ -14,6 +14,7 @@ from pathlib import Path
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Status
+from mirror_explainer.planning.confinement import limit_search
 
 # Optimal searches, to be tried in this order: LM-cut is mostly done at once, but it can take
 # minutes to find that there is no plan; the abstraction costs a little time, and saves these.
@@ -43,9 +44,13 @@ class Outcome:
 
 
 class Search:
-    """A running search. Its `fileno` is readable once it has ended."""
+    """A running search. Its `fileno` is readable once it has ended.
 
-    def __init__(self, binary: str, task: bytes, configuration: str) -> None:
+    Whoever starts it ends it after `seconds`; if nobody is left to do so, the
+    kernel does, a little later.
+    """
+
+    def __init__(self, binary: str, task: bytes, configuration: str, seconds: float) -> None:
         self.since = time.monotonic()
         self._plan = os.memfd_create('plan')
         self._end, their_end = os.pipe()
@@ -63,6 +68,7 @@ class Search:
                 env={},
                 pass_fds=[self._plan, their_end],
             )
+            limit_search(self._process.pid, seconds)
         except BaseException:
             os.close(self._plan)
             os.close(self._end)

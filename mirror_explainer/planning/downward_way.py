@@ -5,9 +5,9 @@ general way, with less work.
 """
 
 import logging
-import os
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
@@ -15,7 +15,7 @@ from mirror_explainer.planning.limits import TICK, Limits
 from mirror_explainer.planning.messages import Ask, Attempt, Done, Stop, Unfitting, unknown
 from mirror_explainer.planning.worker import Worker
 
-_MODULE = 'mirror_explainer.planning.downward_worker'
+_PROGRAM = Path(__file__).with_name('downward_worker.py')
 _TRIES = 2
 
 # The problem may take this long to be grounded, or the planning timeout if that is longer.
@@ -23,9 +23,6 @@ _GROUNDING_SECONDS = 10.0
 
 # How long a worker may take to come to a stop before it is ended, in seconds.
 _GRACE = 0.05
-
-# What the worker and Fast Downward need of the environment.
-_VARIABLES = ('PATH', 'LANG', 'LC_ALL', 'LD_LIBRARY_PATH', '_ROS_WHEELS_BOOTSTRAP_COMPLETE')
 
 _log = logging.getLogger(__name__)
 
@@ -43,12 +40,7 @@ class DownwardWay:
         self._workers = workers
         self._timeout = planning_timeout
         self._memory_limit = memory_limit
-        self._worker: Worker | None = self._start()
-
-    @staticmethod
-    def _start() -> Worker:
-        variables = {name: os.environ[name] for name in _VARIABLES if name in os.environ}
-        return Worker(_MODULE, variables)
+        self._worker: Worker | None = Worker(_PROGRAM)
 
     def plan(
         self,
@@ -67,7 +59,7 @@ class DownwardWay:
         for _ in range(_TRIES):
             if self._worker is None or not self._worker.alive:
                 self.close()
-                self._worker = self._start()
+                self._worker = Worker(_PROGRAM)
             try:
                 return self._ask(self._worker, space, left, plans_per_belief, limits, record)
             except EOFError:
@@ -135,7 +127,7 @@ class DownwardWay:
         except EOFError:
             pass
         self.close()
-        self._worker = self._start()
+        self._worker = Worker(_PROGRAM)
 
     def close(self) -> None:
         """End the worker and its searches at once."""

@@ -4,7 +4,6 @@ Run as a module by `worker.py`. It is the only program here that imports the
 translator; the searches are processes of its own group.
 """
 
-import resource
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,6 +11,7 @@ from mirror_explainer.planning import translator
 from mirror_explainer.planning.alternatives import Alternatives
 from mirror_explainer.planning.beliefs import Belief
 from mirror_explainer.planning.child import Parent
+from mirror_explainer.planning.confinement import limit_memory
 from mirror_explainer.planning.grounding import Grounding
 from mirror_explainer.planning.messages import Ask, Attempt, Done, Stop, Unfitting
 from mirror_explainer.planning.pddl_lists import Lists
@@ -33,8 +33,7 @@ class DownwardWorker:
         while True:
             message = self._parent.receive()
             if isinstance(message, Ask):
-                limit = (message.memory_limit << 20, resource.RLIM_INFINITY)
-                resource.setrlimit(resource.RLIMIT_DATA, limit)
+                limit_memory(message.memory_limit)
                 self._parent.send(self._answer(message))
 
     def _answer(self, ask: Ask) -> Done | Unfitting:

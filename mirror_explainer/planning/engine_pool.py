@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import wait
+from pathlib import Path
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
@@ -16,7 +17,7 @@ from mirror_explainer.planning.limits import TICK, Limits
 from mirror_explainer.planning.messages import Attempt, Done, Refusal, Setup, unknown
 from mirror_explainer.planning.worker import Worker
 
-_MODULE = 'mirror_explainer.planning.engine_worker'
+_PROGRAM = Path(__file__).with_name('engine_worker.py')
 
 # What a dying worker was at is tried once more, in a new process.
 _TRIES = 2
@@ -81,7 +82,7 @@ class EnginePool:
         in_hand = sum(seat.belief is not None for seat in self._seats)
         wanted = min(self._workers, in_hand + len(work.pending))
         while len(self._seats) < wanted:
-            self._seats.append(_Seat(Worker(_MODULE)))
+            self._seats.append(_Seat(Worker(_PROGRAM)))
         for seat in self._seats:
             if seat.busy or not work.pending:
                 continue
@@ -92,7 +93,9 @@ class EnginePool:
                 seat.worker.send(seat.belief)
                 work.calls += 1
             else:
-                seat.worker.send(Setup(self._engine, work.space, self._memory_limit))
+                seat.worker.send(
+                    Setup(self._engine, work.space, self._timeout, self._memory_limit)
+                )
 
     def _take_in(self, work: '_Work') -> None:
         busy = self._busy()

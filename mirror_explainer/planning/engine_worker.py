@@ -4,7 +4,6 @@ Run as a module by `worker.py`. unified-planning is not thread-safe and engines
 may hang or crash, which is why this is a process of its own.
 """
 
-import resource
 import subprocess
 import warnings
 from typing import Any
@@ -23,6 +22,7 @@ from mirror_explainer import pddl
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Plan, Status
 from mirror_explainer.planning.child import Parent
+from mirror_explainer.planning.confinement import limit_engine, limit_memory
 from mirror_explainer.planning.messages import Attempt, Refusal, Setup, unknown
 
 _NO_PLAN = {
@@ -128,10 +128,13 @@ def main() -> None:
     get_environment().credits_stream = None
     warnings.simplefilter('ignore')
     beliefs: Beliefs | None = None
+    seconds = 0.0
     while True:
         message = parent.receive()
         if isinstance(message, Setup):
-            _limit_memory(message.memory_limit)
+            seconds = message.planning_timeout
+            limit_memory(message.memory_limit)
+            limit_engine(None)
             try:
                 beliefs = Beliefs(message.engine, message.space)
             except InputError as error:
@@ -144,12 +147,8 @@ def main() -> None:
             else:
                 parent.send(None)
         elif beliefs is not None:
+            limit_engine(seconds)
             parent.send(beliefs.plan(message))
-
-
-def _limit_memory(mebibytes: int) -> None:
-    """Limit the data of this process, and of each it starts."""
-    resource.setrlimit(resource.RLIMIT_DATA, (mebibytes << 20, resource.RLIM_INFINITY))
 
 
 class _SameGroup(subprocess.Popen):  # type: ignore[type-arg]

@@ -8,10 +8,14 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, 
 
 @dataclass(frozen=True)
 class Setup:
-    """To an engine's worker: read this space. It answers None, or a Refusal."""
+    """To an engine's worker: read this space. It answers None, or a Refusal.
+
+    A belief of the space, sent later, may take `planning_timeout` seconds.
+    """
 
     engine: str
     space: BeliefSpace
+    planning_timeout: float
     memory_limit: int
 
 

@@ -112,7 +112,10 @@ class Searches:
                 job.proves = job.left != OPTIMAL_AXIOMS
             if not self._running:
                 self._searching_since = time.monotonic()
-            search = Search(self._ask.downward, job.text, QUICK if job.reason else job.left[0])
+            configuration = QUICK if job.reason else job.left[0]
+            search = Search(
+                self._ask.downward, job.text, configuration, self._ask.planning_timeout
+            )
             self.calls += 1
             self._running[search] = job
             selector.register(search, selectors.EVENT_READ)

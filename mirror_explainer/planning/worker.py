@@ -11,22 +11,21 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
 from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
 from mirror_explainer.errors import PlanningError
+from mirror_explainer.planning.confinement import environment
 
 
 class Worker:
-    """One child process that runs a module of this package (see `child.py` for its side).
+    """One child process that runs a file of this package (see `child.py` for its side).
 
-    `environment` replaces the inherited variables. Raises PlanningError when
-    the process cannot be started.
+    Raises PlanningError when the process cannot be started.
     """
 
-    def __init__(self, module: str, environment: Mapping[str, str] | None = None) -> None:
+    def __init__(self, program: Path) -> None:
         self.connection, theirs = Pipe()
         with theirs:
             try:
@@ -37,7 +36,7 @@ class Worker:
                     cure='Free space on the disk, or set TMPDIR to a folder that can be written.',
                 ) from error
             try:
-                self._process = self._start(module, theirs.fileno(), environment)
+                self._process = self._start(program, theirs.fileno())
             except OSError as error:
                 shutil.rmtree(self._directory, ignore_errors=True)
                 raise PlanningError(
@@ -45,20 +44,18 @@ class Worker:
                     cure='Free memory, or allow more processes (ulimit -u; TasksMax in systemd).',
                 ) from error
 
-    def _start(
-        self, module: str, descriptor: int, environment: Mapping[str, str] | None
-    ) -> subprocess.Popen[bytes]:
-        variables = dict(os.environ if environment is None else environment)
-        variables['PYTHONPATH'] = os.pathsep.join(map(os.path.abspath, sys.path))
-        variables['TMPDIR'] = str(self._directory)
+    def _start(self, program: Path, descriptor: int) -> subprocess.Popen[bytes]:
+        python_path = os.pathsep.join(map(os.path.abspath, sys.path))
         with (self._directory / 'stderr').open('wb') as stderr:
             return subprocess.Popen(
-                [sys.executable, '-P', '-m', module, str(descriptor)],
+                # A path, for beside the program of a process unified-planning looks for an
+                # up.ini that names engines; with -m it looks in the folders above the private one.
+                [sys.executable, '-P', str(program), str(descriptor)],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=stderr,
                 cwd=self._directory,
-                env=variables,
+                env=environment(str(self._directory), python_path),
                 pass_fds=[descriptor],
                 start_new_session=True,
             )
