@@ -19,8 +19,9 @@ _VARIABLES = (
     '_ROS_WHEELS_BOOTSTRAP_COMPLETE',
 )
 
-# Added to the niceness of the program that plans: on a robot nearly everything matters more.
-_NICENESS = 10
+# Added to the niceness of the program that plans: where processors are short, a planning process
+# gets a third of what others get. More would mean no answers on a robot that is always busy.
+_NICENESS = 5
 
 _MOST_OPEN_FILES = 4096
 
