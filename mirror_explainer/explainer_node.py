@@ -1,6 +1,5 @@
 """The ROS 2 node: hears the robot's problem and plan, and says what it is up to when asked."""
 
-import os
 import threading
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -13,6 +12,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
@@ -49,7 +49,6 @@ class ExplainerNode(Node):
         self.declare_parameters('', PARAMETERS)
         self._inputs = Inputs()
         self._inputs_lock = threading.Lock()
-        self._last_message: dict[str, int] = {}
         self._answers = Answers(self._publish_answer)
         self._waiting = threading.Semaphore(MOST_WAITING_CALLS)
         self._last_error = ''
@@ -77,7 +76,11 @@ class ExplainerNode(Node):
                 )
         self.create_service(Trigger, 'verbalize_plan', self._verbalize, callback_group=at_once)
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
-        self.create_timer(1.0, self._each_second, callback_group=in_order)
+        # Not the node's clock, which stands still when the system's is set back.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(1.0, self._each_second, in_order, steady)
+        files = MutuallyExclusiveCallbackGroup()  # a file system may be slow to answer
+        self.create_timer(0.5, self._updates.look_at_files, files, steady)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._submit()
 
@@ -97,13 +100,11 @@ class ExplainerNode(Node):
     def _value(self, name: str) -> Any:
         return self.get_parameter(name).value
 
-    def _input_callback(self, name: str) -> Callable[[String, Any], None]:
+    def _input_callback(self, name: str) -> Callable[[String], None]:
         topic = self.resolve_topic_name(name)
 
-        def callback(message: String, info: Any) -> None:
-            if self._last_message.get(name) == info['source_timestamp']:
-                return  # heard by the other subscription already
-            self._last_message[name] = info['source_timestamp']
+        def callback(message: String) -> None:
+            # The other subscription may have heard it already: that submits nothing new.
             self._submit(**{name: Text(message.data, topic)})
 
         return callback
@@ -111,12 +112,10 @@ class ExplainerNode(Node):
     def _submit(self, **changes: Text) -> None:
         """Hand the newest inputs on, with what the parameters say now."""
         with self._inputs_lock:
-            path = self._value('user_model_file')
             self._inputs = Inputs(
                 **{name: getattr(self._inputs, name) for name in INPUTS} | changes,
                 domain_file=self._value('domain_file'),
-                user_model_file=path,
-                user_model_revision=_revision(path),
+                user_model_file=self._value('user_model_file'),
                 max_beliefs=self._value('max_beliefs'),
                 plans_per_belief=self._value('plans_per_belief'),
                 deadline=self._value('deadline'),
@@ -134,9 +133,7 @@ class ExplainerNode(Node):
         self._submit()
 
     def _each_second(self) -> None:
-        """Tell how things are, and notice a user-model file that was edited."""
-        if self._inputs.user_model_revision != _revision(self._inputs.user_model_file):
-            self._submit()
+        """Tell how things are."""
         self._publish_diagnostics(self._updates.state)
 
     def _on_state(self, state: State) -> None:
@@ -220,15 +217,6 @@ class ExplainerNode(Node):
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
-
-
-def _revision(path: str) -> object:
-    """Return something that changes whenever the file does."""
-    try:
-        found = os.stat(path)
-    except (OSError, ValueError):
-        return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
 
 
 def main(args: Sequence[str] | None = None) -> None:

@@ -18,12 +18,14 @@ from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.pddl import Task, read_task, require_definition
 from mirror_explainer.plan_text import read_plan
 from mirror_explainer.planning import Planner
-from mirror_explainer.text_files import read_text
+from mirror_explainer.text_files import TextFiles
 from mirror_explainer.user_model import read_user_model
 
 # A robot publishes its problem and its plan one after the other: judge them together.
 SETTLING_SECONDS = 0.1
 LONGEST_SETTLING_SECONDS = 0.5
+# A file may be written piece by piece: read it when it has been left alone for so long.
+FILE_SETTLING_SECONDS = 0.5
 
 _START = (
     "Start what publishes these topics in the node's namespace, or remap them; set the parameters."
@@ -44,8 +46,8 @@ class Text:
 class Inputs:
     """The newest of everything that an explanation is made from, None where nothing came yet.
 
-    `domain_file` stands in for a domain that was not heard; `user_model_revision`
-    is anything that changes when the user model's file does.
+    `domain_file` stands in for a domain that was not heard; `files_revision` is
+    another one after each change of the files that are read.
     """
 
     domain: Text | None = None
@@ -53,7 +55,7 @@ class Inputs:
     problem: Text | None = None
     plan: Text | None = None
     user_model_file: str = ''
-    user_model_revision: object = None
+    files_revision: object = None
     max_beliefs: int = 1024
     plans_per_belief: int = 300
     deadline: float | None = None
@@ -118,7 +120,9 @@ class Updates:
         self._state = State(Phase.WAITING, 'waiting for inputs')
         self._newest: Inputs | None = None
         self._pending = False
-        self._last_submit = 0.0
+        self._settled_at = 0.0
+        self._files = TextFiles()
+        self._looking = threading.Lock()
         self._cancelled = threading.Event()
         self._closed = False
         self._task: tuple[Text, Text, Task] | None = None
@@ -135,17 +139,32 @@ class Updates:
     def submit(self, inputs: Inputs) -> None:
         """Work on these inputs, and drop what is being worked on."""
         with self._changed:
-            if inputs == self._newest:
-                return
-            self._newest = inputs
-            self._pending = True
-            self._last_submit = time.monotonic()
-            self._cancelled.set()
-            self._state = State(Phase.WORKING, 'reading the newest inputs', inputs=inputs)
-            self._changed.notify_all()
+            if self._newest is not None:
+                inputs = replace(inputs, files_revision=self._newest.files_revision)
+            if inputs != self._newest:
+                self._begin(inputs, SETTLING_SECONDS)
+
+    def look_at_files(self) -> None:
+        """Work again if a file that was read has changed since."""
+        with self._looking:  # until the work has begun, for whoever looks next sees no change
+            files = self._files
+            if files.changed():
+                with self._changed:
+                    if files is self._files and self._newest is not None:
+                        revised = replace(self._newest, files_revision=files.revision)
+                        self._begin(revised, FILE_SETTLING_SECONDS)
+
+    def _begin(self, inputs: Inputs, settling: float) -> None:
+        self._newest = inputs
+        self._pending = True
+        self._settled_at = max(self._settled_at, time.monotonic() + settling)
+        self._cancelled.set()
+        self._state = State(Phase.WORKING, 'reading the newest inputs', inputs=inputs)
+        self._changed.notify_all()
 
     def wait(self, timeout: float) -> State:
         """Return the state once no work is under way, or after `timeout` seconds."""
+        self.look_at_files()
         with self._changed:
             self._changed.wait_for(
                 lambda: self._closed or self._state.phase is not Phase.WORKING, timeout
@@ -175,11 +194,13 @@ class Updates:
                 self._pending = False
                 self._cancelled = cancelled = threading.Event()
                 inputs = self._newest
+                self._files = TextFiles()
             assert inputs is not None  # something is pending only after a submit
             try:
                 state = self._state_for(inputs, cancelled)
             except Cancelled:
                 continue
+            self.look_at_files()  # nothing that was half-written when read is answered from
             with self._changed:
                 if self._pending or self._closed:
                     continue
@@ -195,8 +216,7 @@ class Updates:
         """Wait until inputs stop coming for a moment, but not for ever."""
         latest = time.monotonic() + LONGEST_SETTLING_SECONDS
         while not self._closed:
-            calm = self._last_submit + SETTLING_SECONDS
-            remaining = min(calm, latest) - time.monotonic()
+            remaining = min(self._settled_at, latest) - time.monotonic()
             if remaining <= 0:
                 return
             self._changed.wait(remaining)
@@ -205,7 +225,7 @@ class Updates:
         """Do the work, and put what goes wrong in words."""
         try:
             if inputs.missing:
-                _check_alone(inputs)
+                _check_alone(inputs, self._files.read)
                 return State(
                     Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
                 )
@@ -222,10 +242,11 @@ class Updates:
     def _prepare(self, inputs: Inputs, cancelled: threading.Event) -> Preparation:
         assert inputs.problem and inputs.plan  # nothing is missing
         started = time.perf_counter()
-        domain = inputs.domain or Text(read_text(inputs.domain_file), inputs.domain_file)
+        read_file = self._files.read
+        domain = inputs.domain or Text(read_file(inputs.domain_file), inputs.domain_file)
         task = self._read(domain, inputs.problem)
         plan = robot_plan(task, inputs.plan.text, inputs.plan.source)
-        user_model = read_user_model(inputs.user_model_file, task)
+        user_model = read_user_model(inputs.user_model_file, task, read_file)
         read = time.perf_counter() - started
         preparation = prepare(
             task,
@@ -271,7 +292,7 @@ def _internal_error(error: Exception) -> State:
     return State(Phase.ERROR, f'internal error, please report it: {error!r}', cure=_REPORT)
 
 
-def _check_alone(inputs: Inputs) -> None:
+def _check_alone(inputs: Inputs, read: Callable[[str], str]) -> None:
     """Raise InputError for what is wrong already, whatever is still missing."""
     for text, kind in ((inputs.domain, 'domain'), (inputs.problem, 'problem')):
         if text:
@@ -279,4 +300,4 @@ def _check_alone(inputs: Inputs) -> None:
     if inputs.plan:
         read_plan(inputs.plan.text, inputs.plan.source)
     if inputs.user_model_file:
-        read_user_model(inputs.user_model_file)
+        read_user_model(inputs.user_model_file, read=read)

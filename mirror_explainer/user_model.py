@@ -6,7 +6,7 @@ All faults of a file are reported in one error, each with its line.
 import math
 import os
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,6 +17,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from mirror_explainer.errors import InputError
 from mirror_explainer.pddl import Task, fluent_expression, goal_expression
 from mirror_explainer.sentences import Template, action_parameters, template_faults
+from mirror_explainer.text_files import read_text
 
 
 @dataclass(frozen=True)
@@ -101,25 +102,26 @@ class _Fault:
     reason: str
 
 
-def read_user_model(path: str | os.PathLike[str], task: Task | None = None) -> UserModel:
+def read_user_model(
+    path: str | os.PathLike[str],
+    task: Task | None = None,
+    read: Callable[[str], str] = read_text,
+) -> UserModel:
     """Read a user model's YAML file, and check it against the task's domain if one is given.
 
-    Raises InputError with all faults: unknown keys, wrong types, atoms,
-    actions or parameters that the domain does not have.
+    `read` reads the file, and the `hyps_file` that it may name. Raises InputError
+    with all faults: unknown keys, wrong types, atoms, actions or parameters that
+    the domain does not have.
     """
     source = os.fspath(path)
-    try:
-        text = Path(path).read_text(encoding='utf-8-sig')
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(source, f'the user model cannot be read: {_why(error)}') from error
-    root, data = _parsed(text, source)
+    root, data = _parsed(read(source), source)
     faults = [*_repeated_keys(root)]
     try:
         file: _File | None = _File.model_validate(data)
     except ValidationError as error:
         file = None
         faults += [_Fault(detail['loc'], _schema_reason(detail)) for detail in error.errors()]
-    goals, goal_faults = _goals(data, Path(path).parent, task)
+    goals, goal_faults = _goals(data, Path(path).parent, task, read)
     faults += goal_faults
     faults += _fact_faults(data, task)
     if task is not None:
@@ -185,7 +187,7 @@ def _normalised(weights: Collection[float]) -> list[float]:
 
 
 def _goals(
-    data: Mapping[str, Any], folder: Path, task: Task | None
+    data: Mapping[str, Any], folder: Path, task: Task | None, read: Callable[[str], str]
 ) -> tuple[list[_Goal], list[_Fault]]:
     """Return the candidate goals, of the list or of the PUCRS file, and their faults."""
     faults: list[_Fault] = []
@@ -203,9 +205,9 @@ def _goals(
     elif isinstance(data.get('hyps_file'), str) and data['hyps_file'].strip():
         path = folder / data['hyps_file']
         try:
-            lines = path.read_text(encoding='utf-8-sig').splitlines()
-        except (OSError, UnicodeDecodeError) as error:
-            return [], [*faults, _Fault(('hyps_file',), f'{path} cannot be read: {_why(error)}')]
+            lines = read(str(path)).splitlines()
+        except InputError as error:
+            return [], [*faults, _Fault(('hyps_file',), str(error))]
         for number, line in enumerate(lines, start=1):
             if line.strip():
                 goal = _Goal(goal=f'(and {line.replace(",", " ")})', name=line.strip())
@@ -377,7 +379,3 @@ def _line(root: yaml.Node, path: Iterable[str | int]) -> int:
                 key, node = found[-1]
                 line = key.start_mark.line
     return line + 1
-
-
-def _why(error: Exception) -> str:
-    return error.strerror if isinstance(error, OSError) and error.strerror else str(error)

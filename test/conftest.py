@@ -1,6 +1,6 @@
 """The example warehouse, and user models as files, for many tests."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -41,3 +41,29 @@ def model_file(tmp_path: Path) -> Callable[[str], Path]:
 def read_model(model_file: Callable[[str], Path], task: Task) -> Callable[[str], UserModel]:
     """Return a function that reads a user model's YAML text against the example's task."""
     return lambda text: read_user_model(model_file(text), task)
+
+
+@pytest.fixture(scope='module')
+def ros() -> Iterator[None]:
+    """Let the tests of a module talk ROS 2."""
+    rclpy = pytest.importorskip('rclpy', reason='needs ROS 2')
+    rclpy.init()
+    yield
+    rclpy.try_shutdown()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option that reports the faults of the node's tests."""
+    parser.addoption('--fault-table', type=Path, help='write a Markdown table of the faults here')
+
+
+@pytest.fixture(scope='session')
+def fault_table(request: pytest.FixtureRequest) -> Iterator[object]:
+    """Collect the faults that the tests inject, and write the table where it is asked for."""
+    from faults import FaultTable
+
+    table = FaultTable()
+    yield table
+    path = request.config.getoption('--fault-table')
+    if path:
+        table.write(path)

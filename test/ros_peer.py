@@ -1,12 +1,13 @@
 """What the node's tests need: the built node as a real process, and a peer that talks to it."""
 
+import itertools
 import os
 import signal
 import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import rclpy
@@ -32,6 +33,14 @@ THREE_SENTENCES = (
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)
 PATIENCE = 60.0  # s: far more than anything takes; only a hang runs into it
+
+
+_numbers = itertools.count()
+
+
+def new_namespace() -> str:
+    """Return a namespace that no other test uses, so that no test hears another."""
+    return f'/robot_{os.getpid()}_{next(_numbers)}'
 
 
 def eventually(condition: Callable[[], object], what: str) -> object:
@@ -231,3 +240,18 @@ def running(
                 process.popen.kill()
                 process.popen.wait()
         print(process.log)
+
+
+def explainer(peer: Peer, folder: Path, **parameters: object) -> AbstractContextManager[Process]:
+    """Run the node in the peer's namespace, with the warehouse's user model, and patient."""
+    parameters = {'user_model_file': USER_MODEL, 'answer_timeout': 30.0} | parameters
+    return running('explainer_node', peer.node.get_namespace(), folder, **parameters)
+
+
+def last_diagnostic(peer: Peer) -> dict[str, str]:
+    """Return the newest diagnostics' values, with its level and message."""
+    status = peer.diagnostics[-1]
+    return {value.key: value.value for value in status.values} | {
+        'level': status.level,
+        'message': status.message,
+    }

@@ -1,8 +1,6 @@
 """The node as users meet it: a real process, spoken to over DDS."""
 
-import itertools
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -14,7 +12,6 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-import rclpy
 import sliding_tiles
 from diagnostic_msgs.msg import DiagnosticStatus
 from ros_peer import (
@@ -27,39 +24,22 @@ from ros_peer import (
     Peer,
     alive,
     eventually,
+    explainer,
+    last_diagnostic,
     name_of,
+    new_namespace,
     running,
 )
 
-_namespaces = (f'/robot_{os.getpid()}_{number}' for number in itertools.count())
-
-
-@pytest.fixture(scope='module', autouse=True)
-def ros() -> Iterator[None]:
-    rclpy.init()
-    yield
-    rclpy.try_shutdown()
+pytestmark = pytest.mark.usefixtures('ros')
 
 
 @pytest.fixture
 def peer() -> Iterator[Peer]:
     """A peer in a namespace of its own, so that no test hears another."""
-    peer = Peer(next(_namespaces))
+    peer = Peer(new_namespace())
     yield peer
     peer.close()
-
-
-def explainer(peer: Peer, folder: Path, **parameters: object):
-    parameters = {'user_model_file': USER_MODEL, 'answer_timeout': 30.0} | parameters
-    return running('explainer_node', peer.node.get_namespace(), folder, **parameters)
-
-
-def last_diagnostic(peer: Peer) -> dict[str, str]:
-    status = peer.diagnostics[-1]
-    return {value.key: value.value for value in status.values} | {
-        'level': status.level,
-        'message': status.message,
-    }
 
 
 def test_a_robot_that_latched_its_plan_before_the_node_started_is_explained(peer, tmp_path):

@@ -1,6 +1,7 @@
 """Reading user models, and telling all their faults at once."""
 
 import math
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -163,7 +164,16 @@ FAULTS = {
     'a goal without goal': ('goals: [{name: x}]', 1, 'goals[0].goal: this key is missing'),
     'a blank goal': ('goals: [{goal: " "}]', 1, 'goals[0].goal: this text is blank'),
     'hyps_file left blank': ('hyps_file:', 1, 'hyps_file: this should be a valid string'),
-    'no hyps_file': ('\nhyps_file: no.dat', 2, 'hyps_file: {folder}/no.dat cannot be read: No '),
+    'no hyps_file': (
+        '\nhyps_file: no.dat',
+        2,
+        'hyps_file: {folder}/no.dat: the file cannot be read: No such file or directory',
+    ),
+    'an impossible hyps_file': (
+        'hyps_file: "a\\0b"',
+        1,
+        'hyps_file: {folder}/a\0b: the file cannot be read: embedded null byte',
+    ),
     'an unknown key': (GOAL + 'goal: x', 2, 'goal: unknown key'),
     'a key twice': (
         GOAL + 'rationality: 1.0\nrationality: 2.0',
@@ -298,12 +308,22 @@ def test_faults_inside_an_entry_with_another_fault_are_told_too(read_model) -> N
 def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path, task: Task) -> None:
     (tmp_path / 'latin.yaml').write_bytes(b'goals: \xe9')
 
-    with pytest.raises(InputError, match='the user model cannot be read: No such file'):
+    with pytest.raises(InputError, match='none.yaml: the file cannot be read: No such file'):
         read_user_model(tmp_path / 'none.yaml', task)
-    with pytest.raises(InputError, match='the user model cannot be read: Is a directory'):
+    with pytest.raises(InputError, match='the file cannot be read: Is a directory'):
         read_user_model(tmp_path, task)
-    with pytest.raises(InputError, match='the user model cannot be read: .*utf-8'):
+    with pytest.raises(InputError, match='latin.yaml: this is no UTF-8 text'):
         read_user_model(tmp_path / 'latin.yaml', task)
+
+
+def test_a_pipe_in_place_of_a_file_is_refused_at_once(tmp_path: Path, task: Task) -> None:
+    os.mkfifo(tmp_path / 'user.yaml')
+    os.mkfifo(tmp_path / 'hyps.dat')
+    (tmp_path / 'names_a_pipe.yaml').write_text('hyps_file: hyps.dat')
+
+    for name in ('user.yaml', 'names_a_pipe.yaml'):
+        with pytest.raises(InputError, match='the file cannot be read: it is a pipe'):
+            read_user_model(tmp_path / name, task)
 
 
 def test_candidates_are_read_from_a_file_of_goals(
