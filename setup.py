@@ -64,6 +64,7 @@ setup(
         'console_scripts': [
             'compare = mirror_explainer.experiments.compare:main',
             'explainer_node = mirror_explainer.explainer_node:main',
+            'operator_page = mirror_explainer.operator_page:main',
             'pucrs_benchmark = mirror_explainer.experiments.pucrs:main',
             'user_study = mirror_explainer.experiments.user_study:main',
             'verbalize = mirror_explainer.verbalize:main',
