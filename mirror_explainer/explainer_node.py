@@ -1,5 +1,6 @@
 """The ROS 2 node: hears the robot's problem and plan, and says what it is up to when asked."""
 
+import os
 import threading
 from collections.abc import Callable, Sequence
 from typing import Any
