@@ -294,8 +294,9 @@ def test_an_out_of_time_optimal_search_gives_way_to_a_plan_that_stands_in() -> N
 
 def test_near_the_deadline_plans_stand_in_and_are_not_kept() -> None:
     with Planner('fast-downward-opt') as planner:
-        report = planner.plan(HARD, [Belief(0)], deadline=1.0)
-        again = planner.plan(HARD, [Belief(0)], deadline=1.0)
+        planner.plan(HARD, [Belief(1)])  # so that its process is up
+        report = planner.plan(HARD, [Belief(0)], deadline=2.0)
+        again = planner.plan(HARD, [Belief(0)], deadline=2.0)
 
     assert report.results[0].status is Status.SOLVED
     assert 'deadline' in report.results[0].reason

@@ -69,8 +69,9 @@ class BeliefPlans:
 class PlanningReport:
     """The results, in the order of the beliefs asked, and what they cost.
 
-    `planner_calls` engine calls were made; `searching` is how many seconds there
-    was one at work. `way` says in a few words how it was gone about.
+    `planner_calls` engine calls were made; `searching` is how many seconds
+    were spent on starting these and waiting for them. `way` says in a few words
+    how it was gone about.
     """
 
     results: tuple[BeliefPlans, ...]

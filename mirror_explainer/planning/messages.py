@@ -84,7 +84,7 @@ class Stop:
 class Done:
     """From the worker of the fast way: the call is over.
 
-    `searching` counts the seconds in which a search ran.
+    `searching` is how many seconds were spent on starting searches and waiting for them.
     """
 
     calls: int

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from random import Random
 
 from mirror_explainer.planning.ground_task import Fact, Operator, State
+from mirror_explainer.planning.independent_parts import independent_parts
 
 Actions = tuple[str, ...]
 
@@ -51,7 +52,7 @@ def optimal_plans(
     are too many states to look at.
     """
     parts: list[tuple[list[Actions], bool]] = []
-    for part in _independent_parts(operators):
+    for part in independent_parts(operators):
         names = {operator.name for operator in part}
         own_goal = [fact for fact in goal if any(_concerns(o, fact[0]) for o in part)]
         counted = {operator.name: operator.cost for operator in part}
@@ -79,25 +80,6 @@ def _combination(parts: Sequence[Sequence[Actions]], index: int) -> Actions:
 
 def _concerns(operator: Operator, variable: int) -> bool:
     return any(variable == other for other, _ in operator.effect)
-
-
-def _independent_parts(operators: Sequence[Operator]) -> list[list[Operator]]:
-    """Split the operators so that no part changes a variable that another reads or changes."""
-    parts: list[tuple[set[int], set[int], list[Operator]]] = []
-    for operator in operators:
-        changes = {variable for variable, _ in operator.effect}
-        reads = {variable for variable, _ in operator.condition}
-        joined = [operator]
-        apart = []
-        for part in parts:
-            if changes & (part[0] | part[1]) or reads & part[0]:
-                changes |= part[0]
-                reads |= part[1]
-                joined += part[2]
-            else:
-                apart.append(part)
-        parts = [*apart, (changes, reads, joined)]
-    return [part for _, _, part in parts]
 
 
 # A state as one number: a bit for each fact that holds.

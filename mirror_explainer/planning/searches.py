@@ -44,7 +44,10 @@ class _Job:
 
 
 class Searches:
-    """The searches of one call: `calls` were started; for `searching` seconds some ran."""
+    """The searches of one call: `calls` many, `searching` the seconds spent on their processes.
+
+    That is to start them, and to wait while there is nothing else to do.
+    """
 
     def __init__(self, ask: Ask, report: Report) -> None:
         self._ask = ask
@@ -53,7 +56,6 @@ class Searches:
         self._hurry = self._end - min(_RESERVE * ask.seconds, _LONGEST_RESERVE)
         self._queue: deque[_Job] = deque()
         self._running: dict[Search, _Job] = {}
-        self._searching_since = 0.0
         self.calls = 0
         self.searching = 0.0
 
@@ -79,8 +81,6 @@ class Searches:
             finally:
                 for search in self._running:
                     search.kill()
-                if self._running:
-                    self.searching += time.monotonic() - self._searching_since
         return False
 
     def _begin(self, job: _Job) -> None:
@@ -108,23 +108,29 @@ class Searches:
                 self._begin_stand_in(job, _NEAR)
                 continue
             if not job.text:
+                finding = job.subjects.known(job.subject)  # by what was found while it waited
+                if finding is not None:
+                    self._settle(job, finding)
+                    continue
                 job.text, job.left = job.subjects.search_input(job.subject)
                 job.proves = job.left != OPTIMAL_AXIOMS
-            if not self._running:
-                self._searching_since = time.monotonic()
+            began = time.monotonic()
             configuration = QUICK if job.reason else job.left[0]
             search = Search(
                 self._ask.downward, job.text, configuration, self._ask.planning_timeout
             )
+            self.searching += time.monotonic() - began
             self.calls += 1
             self._running[search] = job
             selector.register(search, selectors.EVENT_READ)
 
     def _wait(self, selector: selectors.BaseSelector, other: int) -> bool:
         """Wait for something to happen; return whether it is in `other`."""
-        left = min(self._limit(search) for search in self._running) - time.monotonic()
-        ready = {key.fileobj for key, _ in selector.select(max(0.0, left))}
+        began = time.monotonic()
+        first_end = min(self._limit(search) for search in self._running)
+        ready = {key.fileobj for key, _ in selector.select(max(0.0, first_end - began))}
         now = time.monotonic()
+        self.searching += now - began
         for search, job in list(self._running.items()):
             if search in ready:
                 self._leave(selector, search)
@@ -151,8 +157,6 @@ class Searches:
     def _leave(self, selector: selectors.BaseSelector, search: Search) -> None:
         selector.unregister(search)
         del self._running[search]
-        if not self._running:
-            self.searching += time.monotonic() - self._searching_since
 
     def _stopped(self, job: _Job, now: float) -> None:
         if now >= self._end:

@@ -13,6 +13,7 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans
 from mirror_explainer.planning.downward import OPTIMAL
 from mirror_explainer.planning.ground_task import Fact, State
 from mirror_explainer.planning.grounding import Grounding, atom_name
+from mirror_explainer.planning.pieced_plans import PiecedPlans
 from mirror_explainer.planning.subject import Finding
 
 
@@ -63,6 +64,7 @@ class SupersetWalk:
         self._goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
         self._plans: dict[int, dict[tuple[str, ...], int]] = defaultdict(dict)
+        self._pieced = PiecedPlans(grounding.task)
         self._reached: dict[State, set[Fact]] = {}
         self._nodes = _nodes(grounding, initial - frozenset(grounding.uncertain), beliefs)
         for group in self._comparable(self._nodes):
@@ -110,6 +112,7 @@ class SupersetWalk:
             return Finding(None)
         bounds = [parent.cost for parent in node.parents if parent.cost is not None]
         plan = self._known_plan(node, max(bounds)) if bounds else None
+        plan = plan or self._pieced.plan(node.state, goal)
         if plan is not None:
             return Finding(plan)
         node.hopeless = any(parent.hopeless for parent in node.parents)
@@ -144,6 +147,7 @@ class SupersetWalk:
             self._plans[node.goal][finding.plan] = cost
             if finding.optimal:
                 node.plan, node.cost = finding.plan, cost
+                self._pieced.learn(node.state, self.goal(node), finding.plan)
         for child in node.children:
             child.open_parents -= 1
             if not child.open_parents:
