@@ -197,6 +197,7 @@ def main(args: Sequence[str] | None = None) -> int:
         return 1
     from mirror_explainer.web.operator.site import operator_site
     from mirror_explainer.web.serving import serve
+    from mirror_explainer.web.site import configure
 
     # The server takes the signals, and everything ends when it does.
     rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
@@ -206,7 +207,9 @@ def main(args: Sequence[str] | None = None) -> int:
     thread = threading.Thread(target=_spin, args=[executor], name='ros')
     thread.start()
     try:
-        serve(operator_site(node, node.get_namespace()), address(options))
+        where = address(options)
+        configure(operator_site(node, node.get_namespace()), where)
+        serve(where)
     except OSError as error:
         print(f'operator_page: {error}', file=sys.stderr)
         return 1

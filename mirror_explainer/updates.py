@@ -204,7 +204,7 @@ class Updates:
             with self._changed:
                 if self._pending or self._closed:
                     continue
-                self._state = state = replace(state, inputs=inputs)
+                self._state = state = replace(state, inputs=self._as_read(inputs))
                 self._changed.notify_all()
             try:
                 self._on_state(state)
@@ -260,7 +260,11 @@ class Updates:
             progress=self._progress,
         )
         seconds = replace(preparation.seconds, read=read)
-        return replace(preparation, seconds=seconds, inputs=inputs.digest)
+        return replace(preparation, seconds=seconds, inputs=self._as_read(inputs).digest)
+
+    def _as_read(self, inputs: Inputs) -> Inputs:
+        """Return the inputs with the revision of the files that were read for them."""
+        return replace(inputs, files_revision=self._files.revision)
 
     def _ready_planner(self) -> Planner:
         """Return the planner, which is made once. Raises PlanningError if it can't be."""

@@ -5,7 +5,7 @@ import itertools
 import os
 import signal
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +18,7 @@ pytest.importorskip('playwright', reason='playwright is not installed (the extra
 import rclpy
 from browser import PATIENCE, SCREENS, Server, overflow, person, served, violations
 from playwright.sync_api import Locator, Page, expect
-from ros_peer import PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Peer, running
+from ros_peer import DOMAIN, PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Peer, running
 
 expect.set_options(timeout=PATIENCE)
 SENTENCES = THREE_SENTENCES.split('\n')
@@ -212,43 +212,39 @@ def test_without_scripts_the_button_works_too(chromium, shared):
     context.close()
 
 
-def test_the_page_asks_by_itself_whenever_the_robot_has_done_a_step(chromium, tmp_path):
-    problem, plan = tmp_path / 'problem.pddl', tmp_path / 'plan.txt'
-    problem.write_text(
-        PROBLEM.replace('(robot-at left)', '(robot-at red_room)').replace(
-            '(item-at blue_cube blue_room)', '(holding blue_cube)'
-        )
-    )
-    plan.write_text(PLAN[PLAN.index('(grab red_circle') :])
-    with ExitStack() as own:
-        robot = own.enter_context(stack(tmp_path))
-        own.enter_context(robot.explainer(n=10))
-        page = own.enter_context(person(chromium))
+def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(chromium, tmp_path):
+    problem = PROBLEM.replace('(robot-at left)', '(robot-at red_room)')
+    files = {
+        'problem_file': problem.replace('(item-at blue_cube blue_room)', '(holding blue_cube)'),
+        'plan_file': PLAN[PLAN.index('(grab red_circle') :],
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    with stack(tmp_path) as robot, robot.explainer(n=10), person(chromium) as page:
+        robot.peer.publish('domain', DOMAIN)
+        robot.peer.publish('problem', files['problem_file'])
+        robot.peer.publish('plan', files['plan_file'])
         page.goto(f'{robot.page.url}?follow=on')
-        namespace = robot.peer.node.get_namespace()
-        files = {'problem_file': problem, 'plan_file': plan}
-        own.enter_context(
-            running('warehouse_robot', namespace, tmp_path, step_period=1.0, **files)
-        )
         expect(page.locator('#condition')).to_contain_text('Ready')
         button(page).click()
-        expect(answer(page)).not_to_have_count(0)
-        lengths = [answer(page).count()]
-        while lengths[-1] > 0:
-            expect(answer(page)).not_to_have_count(lengths[-1])
-            lengths.append(answer(page).count())
-        expect(page.locator('#said')).to_contain_text('Nothing is left to do')
-    assert lengths == sorted(lengths, reverse=True)
+        expect(answer(page)).to_have_count(4)
+        namespace = robot.peer.node.get_namespace()
+        paths = {name: tmp_path / name for name in files}
+        with running('warehouse_robot', namespace, tmp_path, step_period=1.0, **paths):
+            expect(page.locator('#said')).to_contain_text('Nothing is left to do')
+        expect(page.locator('#currency')).to_have_text('')
 
 
 def test_a_killed_explainer_is_missed_and_its_answer_is_not_passed_off_as_new(chromium, tmp_path):
+    user_model = tmp_path / 'user_model.yaml'
+    user_model.write_text(Path(USER_MODEL).read_text())
     with stack(tmp_path) as robot, person(chromium) as page:
         page.goto(robot.page.url)
         expect(page.locator('#condition')).to_contain_text('Silent. Nothing was heard')
         button(page).click()
         expect(page.locator('#said')).to_contain_text('Is the explainer running?')
         assert violations(page) == []
-        with robot.explainer() as first:
+        with robot.explainer(user_model_file=user_model) as first:
             robot.peer.publish_warehouse()
             robot.peer.answer()
             expect(answer(page)).to_have_text(SENTENCES)
@@ -257,12 +253,15 @@ def test_a_killed_explainer_is_missed_and_its_answer_is_not_passed_off_as_new(ch
         expect(page.locator('#condition')).to_contain_text('Silent. No news')
         expect(page.locator('#currency')).to_contain_text('may be old')
         assert violations(page) == []
-        with robot.explainer(n=2):
+        with user_model.open('a') as file:
+            file.write('# changed while nobody looked\n')
+        with robot.explainer(user_model_file=user_model, n=2):
             expect(page.locator('#condition')).to_contain_text('Ready')
-            expect(page.locator('#currency')).to_have_text('')
+            expect(page.locator('#currency')).to_contain_text('an older plan')
             expect(page.get_by_role('slider')).to_have_value('2')
             button(page).click()
             expect(answer(page)).to_have_text(SENTENCES[:2])
+            expect(page.locator('#currency')).to_have_text('')
 
 
 def test_a_page_that_has_lost_its_program_says_so(chromium, tmp_path):

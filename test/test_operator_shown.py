@@ -45,7 +45,7 @@ EXPLANATION = {
 SETTINGS = Settings(n=3, strategy='informative', threshold=0.0, remember=False, answer_timeout=5.0)
 READY = Status(0, 'ready', 'ready', 'a')
 PLANNING = Status(0, 'planning 3 of 9', 'planning', 'b')
-BAD_PLAN = Status(2, '/plan, line 1: the domain has no action "fly"', 'error', 'b')
+BAD_PLAN = Status(2, '/plan, line 1: the domain has no action "fly"', 'error', 'b', 'Correct it.')
 
 
 def answer(**changes: object) -> Answer:
@@ -92,7 +92,7 @@ def test_a_browser_that_follows_asks_once_the_robot_is_ready_with_something_new(
     heard: Heard, status: Status, settings: Settings | None, follow: bool, asks: bool
 ) -> None:
     now = replace(heard, status=status, settings=settings)
-    assert currency(now, follow).ask == asks
+    assert currency(now, follow).ask == ('b' if asks else '')
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,16 @@ def test_a_browser_that_follows_asks_once_the_robot_is_ready_with_something_new(
     [
         ({}, 'ready', 'The robot can be asked.'),
         ({'status': PLANNING}, 'working', 'The robot works out what to say.'),
-        ({'status': BAD_PLAN}, 'error', '/plan, line 1: the domain has no action "fly".'),
+        (
+            {'status': replace(PLANNING, level=2)},  # until it is known whether an error is cured
+            'working',
+            'The robot works out what to say.',
+        ),
+        (
+            {'status': BAD_PLAN},
+            'error',
+            '/plan, line 1: the domain has no action "fly". Correct it.',
+        ),
         (
             {'status': Status(1, 'waiting for plan (topic)', 'waiting')},
             'warning',
@@ -208,6 +217,12 @@ def test_the_slider_ends_at_the_plans_length_but_never_below_its_own_value(heard
 )
 def test_only_what_is_certain_is_0_or_100_percent(probability: float, words: str) -> None:
     assert percent(probability).replace('\u00a0', ' ') == words
+
+
+def test_a_status_is_read_by_the_keys_of_the_diagnostics() -> None:
+    values = {'state': 'error', 'inputs': 'b', 'what to do': 'Correct it.', 'workers': '2'}
+    assert Status.of(2, BAD_PLAN.message, values) == BAD_PLAN
+    assert Status.of(0, 'ready', {'what to do': 'nothing'}) == Status(0, 'ready')
 
 
 @pytest.mark.parametrize('text', ['', 'no JSON', '[]', '{"strategy": 3}'])

@@ -71,18 +71,27 @@ def read_answer(text: str, source: str) -> Answer:
 class Status:
     """The newest of the explainer's diagnostics; `level` is that of a DiagnosticStatus.
 
-    `state` and `inputs` are the values of these keys, '' where there are none.
+    `state` and `inputs` are the values of these keys, and `cure` that of `what to do`,
+    '' where there are none.
     """
 
     level: int
     message: str
     state: str = ''
     inputs: str = ''
+    cure: str = ''
 
     @classmethod
     def of(cls, level: int, message: str, values: Mapping[str, str]) -> 'Status':
         """Return the status that a message with these values tells."""
-        return cls(level, message, values.get('state', ''), values.get('inputs', ''))
+        cure = values.get('what to do', 'nothing')
+        return cls(
+            level,
+            message,
+            values.get('state', ''),
+            values.get('inputs', ''),
+            '' if cure == 'nothing' else cure,
+        )
 
 
 @dataclass(frozen=True)

@@ -30,12 +30,11 @@ def condition(heard: Heard) -> Condition:
         return Condition(
             'silent', f'No news from {heard.explainer} for 5 s, the last at {heard.status_at}.'
         )
-    if status.level >= 2:
-        return Condition('error', _sentence(status.message))
     if status.state == 'planning':
         return Condition('working', 'The robot works out what to say.')
-    if status.level == 1:
-        return Condition('warning', _sentence(status.message))
+    if status.level:
+        kind = 'error' if status.level > 1 else 'warning'
+        return Condition(kind, f'{_sentence(status.message)} {status.cure}'.strip())
     return Condition('ready', 'The robot can be asked.')
 
 
@@ -49,11 +48,12 @@ def progress(heard: Heard) -> str:
 class Currency:
     """Whether the answer is about the newest inputs: words if not, or if that is not known.
 
-    `ask` says that it is time to ask again, for a browser that does so by itself.
+    `ask` names the inputs that it is time to ask about, for a browser that does so by
+    itself: once for each.
     """
 
     words: str = ''
-    ask: bool = False
+    ask: str = ''
 
 
 def currency(heard: Heard, follow: bool) -> Currency:
@@ -70,8 +70,8 @@ def currency(heard: Heard, follow: bool) -> Currency:
         return Currency()
     old = 'This answer is about an older plan: what the robot plans or knows has changed since.'
     if heard.state == 'ready':
-        remembers = heard.settings is None or heard.settings.remember
-        return Currency(f'{old} Ask again.', ask=follow and not remembers)
+        asks = follow and heard.settings is not None and not heard.settings.remember
+        return Currency(f'{old} Ask again.', heard.status.inputs if asks else '')
     if heard.state == 'planning':
         return Currency(f'{old} The robot works out a new one.')
     return Currency(f'{old} A new one cannot be given now.')
