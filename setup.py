@@ -29,6 +29,7 @@ setup(
     python_requires='>=3.11',
     install_requires=[
         'numpy>=1.26',
+        'psutil>=5.9',
         'pydantic>=2.5',
         'pyparsing>=3.1',
         'pyyaml>=6.0',
@@ -51,6 +52,7 @@ setup(
             'ruff',
             'pandas-stubs',
             'types-PyYAML',
+            'types-psutil',
             'types-tqdm',
             'up-pyperplan',
         ],

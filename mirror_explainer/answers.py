@@ -1,21 +1,25 @@
 """The answers to calls: each is made once, and what was said is remembered."""
 
 import json
+import re
 import threading
 from collections.abc import Callable
 from typing import Any
 
 from mirror_explainer.explainer import Explanation, Preparation, explain
 
+_CONTROL = re.compile(r'[\x00-\x08\x0b-\x1f\x7f-\x9f]')
+
 
 class Answers:
     """Answers from preparations.
 
     `publish` is called with each answer's text and its JSON, one answer at a time,
-    so that both are always of the same one.
+    so that both are always of the same one. `last` is the one given last.
     """
 
     def __init__(self, publish: Callable[[str, str], None]) -> None:
+        self.last: Explanation | None = None
         self._publish = publish
         self._lock = threading.Lock()
         self._said: list[str] = []
@@ -38,6 +42,7 @@ class Answers:
             explanation, text, report = self._get(preparation, question, tuple(said))
             if remember:
                 self._said += explanation.sentences
+            self.last = explanation
             self._publish(text, report)
             return text
 
@@ -63,5 +68,8 @@ class Answers:
 
 
 def printable(text: str) -> str:
-    """Return the text without what a ROS string can't carry: NUL and lone surrogates."""
-    return text.replace('\0', '').encode('utf-8', 'replace').decode('utf-8')
+    """Return the text without what a ROS string can't carry, or may upset a terminal.
+
+    That is control characters other than tab and end of line, and lone surrogates.
+    """
+    return _CONTROL.sub('', text).encode('utf-8', 'replace').decode('utf-8')

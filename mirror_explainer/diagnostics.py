@@ -1,13 +1,20 @@
 """What an operator sees of the node: a level, a sentence, and values by name.
 
-Without ROS; the node publishes it on /diagnostics.
+Without ROS; the node publishes it on /diagnostics. docs/operations.md has a table of
+the values.
 """
 
-import time
 from dataclasses import dataclass
 from enum import IntEnum
 
-from mirror_explainer.updates import Phase, State
+from mirror_explainer.explainer import Explanation
+from mirror_explainer.history import History
+from mirror_explainer.moment import Moment
+from mirror_explainer.surroundings import Surroundings
+from mirror_explainer.updates import Inputs, Phase, State
+
+# Characters that a value has at most: they are read in a table.
+_LONGEST = 500
 
 
 class Level(IntEnum):
@@ -20,26 +27,117 @@ class Level(IntEnum):
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """A level, one sentence that says why, and values by key (see docs/operations.md)."""
+    """A level, one sentence that says why, and values by key."""
 
     level: Level
     message: str
     values: dict[str, str]
 
 
-def diagnose(state: State, last_error: str = '') -> Diagnosis:
-    """Say how things stand."""
-    levels = {Phase.WAITING: Level.WARN, Phase.ERROR: Level.ERROR}
-    level, message = levels.get(state.phase, Level.OK), state.message
+def diagnose(
+    state: State,
+    history: History,
+    inputs: Inputs,
+    surroundings: Surroundings,
+    answer: Explanation | None = None,
+) -> Diagnosis:
+    """Say how things stand now, for a person who has to mend them.
+
+    `inputs` are those heard last, `answer` is the one given last. While an update
+    is worked on, things are as bad as the last update left them.
+    """
+    now = Moment()
+    working = state.phase is Phase.WORKING
+    level, message, cure = _verdict(history.outcome if working else state, surroundings)
+    if working and level is Level.ERROR:
+        message = f'{state.message}; the last update failed: {message}'
+    elif working:
+        message, cure = state.message, ''
+    since = history.since if state.phase is history.outcome.phase else state.since
     values = {
         'state': state.phase.value,
-        'seconds in this state': f'{time.monotonic() - state.since:.0f}',
+        'state since': str(since),
+        'seconds in this state': f'{now.seconds_since(since):.0f}',
+        'what to do': cure or 'nothing',
+        **_last_error(history, now),
         'inputs': state.inputs.digest,
-        'last error': last_error or 'none',
+        **_ages(inputs, surroundings, now),
+        **{f'publishers of {n}': str(count) for n, count in surroundings.publishers.items()},
+        **_work(state, history, answer),
+        'MiB of node': f'{surroundings.node_memory / 2**20:.0f}',
+        'MiB of planners': f'{surroundings.planner_memory / 2**20:.0f}',
+        'version': surroundings.version,
     }
+    return Diagnosis(level, _short(message), {key: _short(text) for key, text in values.items()})
+
+
+def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]:
+    """Return level, message and cure of how an update ended."""
+    if state.phase is Phase.ERROR:
+        return Level.ERROR, state.message, state.cure
+    if state.preparation is None:
+        return Level.WARN, state.message, state.cure
+    model = state.preparation.model
+    silent = [name for name, count in surroundings.publishers.items() if not count]
+    if silent:
+        return (
+            Level.WARN,
+            f'{state.message}, but nobody publishes {" and ".join(silent)} any more',
+            "See whether the robot's planner still runs: the answers are about its last plan.",
+        )
+    if not model.complete:
+        return (
+            Level.WARN,
+            f'{state.message}, but not for all beliefs: {"; ".join(model.warnings)}',
+            'Raise deadline, planning_timeout or max_beliefs, or let the user model have fewer '
+            'beliefs.',
+        )
+    return Level.OK, state.message, ''
+
+
+def _last_error(history: History, now: Moment) -> dict[str, str]:
+    error = history.last_error
+    if error is None:
+        return {'last error': 'none'}
+    return {
+        'last error': error.message,
+        'last error still so': 'yes' if history.outcome.phase is Phase.ERROR else 'no',
+        'last error time': str(error.since),
+        'seconds since last error': f'{now.seconds_since(error.since):.0f}',
+        'last error cure': error.cure,
+    }
+
+
+def _ages(inputs: Inputs, surroundings: Surroundings, now: Moment) -> dict[str, str]:
+    """Return where each input came from, and how long ago."""
+    values = {}
+    for name, text, file in (
+        ('domain', inputs.domain, inputs.domain_file),
+        ('problem', inputs.problem, ''),
+        ('plan', inputs.plan, ''),
+        ('user model', None, inputs.user_model_file),
+    ):
+        source = text.source if text else file
+        age = now.seconds_since(text.heard) if text else surroundings.file_ages.get(file)
+        values[f'{name} from'] = source or 'none'
+        if age is not None:
+            values[f'seconds since {name}'] = f'{age:.0f}'
+    return values
+
+
+def _work(state: State, history: History, answer: Explanation | None) -> dict[str, str]:
+    """Return what was done, how long it took, and what is covered by the plans found."""
+    values = {
+        'updates': str(history.updates),
+        'calls answered': str(history.calls_answered),
+        'calls failed': str(history.calls_failed),
+    }
+    if history.last_call is not None:
+        values['seconds of last call'] = f'{history.last_call:.3f}'
+    if answer is not None:
+        values['seconds selecting'] = f'{answer.preparation.seconds.selection:.3f}'
     if state.preparation is not None:
         model, seconds = state.preparation.model, state.preparation.seconds
-        warnings = '; '.join(model.warnings)
         values |= {
             'seconds reading': f'{seconds.read:.3f}',
             'seconds planning': f'{seconds.planning:.3f}',
@@ -49,8 +147,12 @@ def diagnose(state: State, last_error: str = '') -> Diagnosis:
             'unsolvable mass': f'{model.unsolvable_mass:.6f}',
             'unknown mass': f'{model.unknown_mass:.6f}',
             'stand-in plans': str(model.stand_in_plans),
-            'warnings': warnings or 'none',
+            'warnings': '; '.join(model.warnings) or 'none',
         }
-        if not model.complete:
-            level, message = Level.WARN, f'{message}, but not for all beliefs: {warnings}'
-    return Diagnosis(level, message, values)
+    return values
+
+
+def _short(text: str) -> str:
+    """Return the text on one line, cut where it is too long for a table."""
+    line = ' '.join(text.split())
+    return line if len(line) <= _LONGEST else f'{line[:_LONGEST]} …'

@@ -1,7 +1,10 @@
 """The ROS 2 node: hears the robot's problem and plan, and says what it is up to when asked."""
 
+import argparse
+import logging
 import os
 import threading
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -16,17 +19,22 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallb
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.answers import Answers, printable
 from mirror_explainer.diagnostics import diagnose
-from mirror_explainer.explainer import STRATEGIES, Preparation
+from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.history import History, news
 from mirror_explainer.parameters import PARAMETERS
 from mirror_explainer.planning import Planner
+from mirror_explainer.ros_log import RosLog
+from mirror_explainer.surroundings import look_around, package_version
 from mirror_explainer.updates import Inputs, Phase, State, Text, Updates
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -35,6 +43,9 @@ INPUTS = ('domain', 'problem', 'plan')
 # A call that waits for an explanation holds one of the executor's threads.
 THREADS = 64
 MOST_WAITING_CALLS = THREADS - 8
+
+# The package's own log, which the node hands on to ROS.
+_log = logging.getLogger('mirror_explainer')
 
 
 class ExplainerNode(Node):
@@ -45,14 +56,18 @@ class ExplainerNode(Node):
     """
 
     def __init__(self) -> None:
-        super().__init__('mirror_explainer')
+        super().__init__('mirror_explainer', enable_logger_service=True)
+        self._ros_log = RosLog(self.get_logger())
+        _log.addHandler(self._ros_log)
+        _log.setLevel(logging.DEBUG)  # what is logged is for the ROS logger to decide
         self.add_on_set_parameters_callback(self._check_parameters)
         self.declare_parameters('', PARAMETERS)
         self._inputs = Inputs()
         self._inputs_lock = threading.Lock()
         self._answers = Answers(self._publish_answer)
         self._waiting = threading.Semaphore(MOST_WAITING_CALLS)
-        self._last_error = ''
+        self._history = History()
+        self._history_lock = threading.Lock()
 
         self._verbalization = self.create_publisher(String, '~/verbalization', LATCHED)
         self._explanation = self.create_publisher(String, '~/explanation', LATCHED)
@@ -79,8 +94,8 @@ class ExplainerNode(Node):
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
         # Not the node's clock, which stands still when the system's is set back.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(1.0, self._each_second, in_order, steady)
         files = MutuallyExclusiveCallbackGroup()  # a file system may be slow to answer
+        self.create_timer(1.0, self._each_second, files, steady)
         self.create_timer(0.5, self._updates.look_at_files, files, steady)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._submit()
@@ -88,6 +103,7 @@ class ExplainerNode(Node):
     def close(self) -> None:
         """Stop all work; no planner process is left."""
         self._updates.close()
+        _log.removeHandler(self._ros_log)
 
     def _make_planner(self) -> Planner:
         return Planner(
@@ -136,27 +152,17 @@ class ExplainerNode(Node):
     def _each_second(self) -> None:
         """Tell how things are."""
         self._publish_diagnostics(self._updates.state)
+        self._ros_log.log_repetitions()
 
     def _on_state(self, state: State) -> None:
-        if state.phase is Phase.ERROR:
-            self._last_error = printable(state.message)
-            self.get_logger().error(self._last_error)
-        elif state.preparation is None:
-            self.get_logger().info(printable(state.message))
-        else:
-            self._report_ready(state.preparation)
+        """Tell how an update ended, and make the answer that a call will want."""
+        with self._history_lock:
+            before, self._history = self._history.outcome, self._history.after_update(state)
+        for level, line in news(before, state):
+            _log.log(level, '%s', line)
+        if state.preparation is not None:
+            self._answers.make(state.preparation, self._question())
         self._publish_diagnostics(state)
-
-    def _report_ready(self, preparation: Preparation) -> None:
-        model = preparation.model
-        for warning in model.warnings:
-            self.get_logger().warning(printable(warning))
-        self.get_logger().info(
-            f'ready: a plan of {len(model.sentences)} actions, '
-            f'{len(model.hypotheses)} hypotheses, '
-            f'{preparation.planner_calls} planner calls in {preparation.seconds.planning:.2f} s'
-        )
-        self._answers.make(preparation, self._question())
 
     def _question(self) -> dict[str, Any]:
         """Return the arguments of `explain` that the parameters decide."""
@@ -164,6 +170,7 @@ class ExplainerNode(Node):
         return {name: self._value(name) for name in names}
 
     def _verbalize(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        started = time.perf_counter()
         try:
             state = self._state_for_a_call()
             while state.preparation is not None and not response.success:
@@ -177,9 +184,13 @@ class ExplainerNode(Node):
             if not response.success:
                 response.message = printable(state.message)
         except Exception as error:  # an exception that leaves a callback ends the node
-            self.get_logger().error(f'verbalize_plan: {error!r}')
+            _log.exception('verbalize_plan failed')
             response.success = False
-            response.message = printable(f'the answer failed: {error}')
+            response.message = printable(f'internal error, please report it: {error!r}')
+        seconds = time.perf_counter() - started
+        with self._history_lock:
+            self._history = self._history.after_call(response.success, seconds)
+        _log.debug('a call was %s', 'answered' if response.success else response.message)
         return response
 
     def _publish_answer(self, text: str, report: str) -> None:
@@ -206,7 +217,15 @@ class ExplainerNode(Node):
         return response
 
     def _publish_diagnostics(self, state: State) -> None:
-        found = diagnose(state, self._last_error)
+        files = (self._inputs.domain_file, self._inputs.user_model_file)
+        publishers = {name: self.count_publishers(name) for name in ('problem', 'plan')}
+        found = diagnose(
+            state,
+            self._history,
+            self._inputs,
+            look_around(files, publishers),
+            self._answers.last,
+        )
         status = DiagnosticStatus(
             level=bytes([found.level]),
             name=f'{self.get_fully_qualified_name().lstrip("/")}: explanation',
@@ -220,13 +239,31 @@ class ExplainerNode(Node):
         self._diagnostics.publish(array)
 
 
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='explainer_node',
+        description='Say on request what the robot is up to, in the few most telling steps.',
+        epilog='Parameters, remappings and the like follow --ros-args.',
+    )
+    parser.add_argument(
+        '--log-level',
+        choices=[severity.name.lower() for severity in LoggingSeverity][1:],
+        help="log this node's own lines from this level up (default info)",
+    )
+    parser.add_argument('--version', action='version', version=package_version())
+    return parser
+
+
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
+    options = _parser().parse_args(remove_ros_args(args)[1:])
     rclpy.init(args=args)
     node = None
     executor = MultiThreadedExecutor(THREADS)
     try:
         node = ExplainerNode()
+        if options.log_level:
+            node.get_logger().set_level(LoggingSeverity[options.log_level.upper()])
         executor.add_node(node)
         while rclpy.ok():
             # Not `spin`: a signal that comes just before it waits would not wake it.

@@ -6,6 +6,7 @@ and whoever needs an answer waits here for the work to end.
 
 import contextlib
 import hashlib
+import logging
 import threading
 import time
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from functools import cached_property
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
+from mirror_explainer.moment import Moment
 from mirror_explainer.pddl import Task, read_task, require_definition
 from mirror_explainer.plan_text import read_plan
 from mirror_explainer.planning import Planner
@@ -27,6 +29,8 @@ LONGEST_SETTLING_SECONDS = 0.5
 # A file may be written piece by piece: read it when it has been left alone for so long.
 FILE_SETTLING_SECONDS = 0.5
 
+_log = logging.getLogger(__name__)
+
 _START = (
     "Start what publishes these topics in the node's namespace, or remap them; set the parameters."
 )
@@ -36,10 +40,11 @@ _REPORT = 'Report it with the log and the inputs; the next input is tried all th
 
 @dataclass(frozen=True)
 class Text:
-    """A text from outside, and the file or topic that it came from."""
+    """A text from outside, the file or topic that it came from, and when."""
 
     text: str
     source: str
+    heard: Moment = field(default_factory=Moment, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -91,7 +96,7 @@ class State:
     """Where things stand: `message` says it in words, `preparation` is there when READY.
 
     `inputs` are those that it is about; `cure` says what a person can do about it.
-    `since` is in seconds of time.monotonic().
+    `since` is when it came to be so.
     """
 
     phase: Phase
@@ -99,7 +104,7 @@ class State:
     preparation: Preparation | None = None
     inputs: Inputs = field(default_factory=Inputs)
     cure: str = ''
-    since: float = field(default_factory=time.monotonic)
+    since: Moment = field(default_factory=Moment)
 
 
 class Updates:
@@ -293,6 +298,7 @@ class Updates:
 
 
 def _internal_error(error: Exception) -> State:
+    _log.error('where the internal error came from', exc_info=error)
     return State(Phase.ERROR, f'internal error, please report it: {error!r}', cure=_REPORT)
 
 

@@ -158,7 +158,12 @@ class Process:
     """An executable of the package, as `ros2 run` would start it."""
 
     def __init__(
-        self, executable: str, namespace: str, log: Path, arguments: Sequence[str] = ()
+        self,
+        executable: str,
+        namespace: str,
+        log: Path,
+        arguments: Sequence[str] = (),
+        options: Sequence[str] = (),
     ) -> None:
         prefix = Path(get_package_prefix('mirror_explainer'))
         self._log = log
@@ -166,6 +171,7 @@ class Process:
             self.popen = subprocess.Popen(
                 [
                     prefix / 'lib' / 'mirror_explainer' / executable,
+                    *options,
                     '--ros-args',
                     '-r',
                     f'__ns:={namespace}',
@@ -223,12 +229,20 @@ def alive(pids: set[int]) -> set[int]:
 
 @contextmanager
 def running(
-    executable: str, namespace: str, folder: Path, **parameters: object
+    executable: str,
+    namespace: str,
+    folder: Path,
+    *,
+    options: Sequence[str] = (),
+    **parameters: object,
 ) -> Iterator[Process]:
-    """Run an executable of the package with these parameters, and end it afterwards."""
+    """Run an executable of the package with these parameters, and end it afterwards.
+
+    `options` are its own ones, not those of ROS.
+    """
     given = {name: value for name, value in parameters.items() if value != ''}
     arguments = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
-    process = Process(executable, namespace, folder / f'{executable}.log', arguments)
+    process = Process(executable, namespace, folder / f'{executable}.log', arguments, options)
     try:
         yield process
     finally:

@@ -57,7 +57,7 @@ def test_volatile_messages_after_the_start_are_explained(peer, tmp_path):
 
 
 def test_a_latched_message_that_both_subscriptions_hear_is_worked_on_once(peer, tmp_path):
-    with explainer(peer, tmp_path) as node:
+    with explainer(peer, tmp_path, options=['--log-level', 'debug']) as node:
         peer.publish_warehouse(latched=True)
         peer.answer()
         peer.publish('plan', PLAN + '; the same plan, told again\n')

@@ -1,0 +1,45 @@
+"""What the machine tells about the node: its memory, its version, and how old its files are."""
+
+import contextlib
+import os
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+
+import psutil
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Resident memory in bytes, seconds since each file was edited, publishers of each topic."""
+
+    node_memory: int = 0
+    planner_memory: int = 0
+    file_ages: Mapping[str, float] = field(default_factory=dict)
+    publishers: Mapping[str, int] = field(default_factory=dict)
+    version: str = ''
+
+
+def look_around(files: Iterable[str], publishers: Mapping[str, int]) -> Surroundings:
+    """Return how things are now, with the number of publishers of each topic."""
+    node = psutil.Process()
+    planners = 0
+    for process in node.children(recursive=True):
+        with contextlib.suppress(psutil.Error):  # it has ended meanwhile
+            planners += process.memory_info().rss
+    ages = {}
+    for file in files:
+        with contextlib.suppress(OSError, ValueError):  # it is not there
+            ages[file] = max(0.0, time.time() - os.stat(file).st_mtime)
+    return Surroundings(node.memory_info().rss, planners, ages, publishers, package_version())
+
+
+@cache
+def package_version() -> str:
+    """Return the version of this package as installed."""
+    try:
+        return version('mirror_explainer')
+    except PackageNotFoundError:
+        return 'not installed'
