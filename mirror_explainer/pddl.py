@@ -13,6 +13,7 @@ import unified_planning.model as up
 from unified_planning.exceptions import UPException
 from unified_planning.io import PDDLReader
 
+from mirror_explainer.derived import Axioms, read_axioms, without_axioms
 from mirror_explainer.errors import InputError
 from mirror_explainer.pddl_expressions import NESTED, Expressions, as_text, nested_words
 from mirror_explainer.pddl_sections import (
@@ -46,13 +47,15 @@ class Task:
     """A planning task ⟨P, A, I, G, O⟩ as read: the two texts, and unified-planning's problem.
 
     Nothing in them takes time: durative actions happen at once, and cost what
-    they took. `durative` says that there were some.
+    they took. `durative` says that there were some. The model has no derived
+    predicates; `axioms` say how its states come by them, None if there are none.
     """
 
     domain: str
     problem: str
     model: up.Problem
     durative: bool = False
+    axioms: Axioms | None = None
 
     @property
     def initial_facts(self) -> frozenset[str]:
@@ -96,21 +99,25 @@ def read_task(
         if section(problem, ':metric') is None:
             domain = without_costs(domain)
     model = _read_model(domain, problem, domain_source, problem_source)
+    axioms = read_axioms(model, domain, problem, domain_source, problem_source)
     if durative:
-        domain, problem = sequential_texts(model, domain, problem, domain_source, problem_source)
+        domain, problem = sequential_texts(
+            model, axioms, domain, problem, domain_source, problem_source
+        )
         model = _read_model(domain, problem, domain_source, problem_source)
+        axioms = read_axioms(model, domain, problem, domain_source, problem_source)
     if not all(isinstance(action, up.InstantaneousAction) for action in model.actions):
         raise InputError(domain_source, 'it has actions other than :action and :durative-action')
     goals = conjuncts(model.environment.expression_manager.And(model.goals))
     model.clear_goals()
     for conjunct in goals:
         model.add_goal(conjunct)
-    return Task(domain, problem, model, durative)
+    return Task(domain, problem, model, durative, axioms)
 
 
 def _read_model(domain: str, problem: str, domain_source: str, problem_source: str) -> up.Problem:
     """Return unified-planning's problem. Raises InputError with lines of the texts given."""
-    readable = with_plain_predicates(domain)
+    readable = with_plain_predicates(without_axioms(domain))
     try:
         model = PDDLReader().parse_problem_string(readable, problem)
     except _READER_ERRORS as error:

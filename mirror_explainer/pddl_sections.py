@@ -11,8 +11,7 @@ from mirror_explainer.errors import InputError
 
 # What may stand in a domain, but not for unified-planning's reader or its compiler.
 _REFUSED = {
-    ':derived': 'derived predicates (:derived)',
-    ':axiom': 'axioms (:axiom)',
+    ':axiom': 'axioms in an old form (:axiom; write :derived)',
     ':process': 'processes (:process)',
     ':event': 'events (:event)',
     ':task': 'tasks to be broken down (:task)',

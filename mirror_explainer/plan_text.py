@@ -4,18 +4,14 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from unified_planning.engines import (
-    SequentialPlanValidator,
-    ValidationResult,
-    ValidationResultStatus,
-)
 from unified_planning.exceptions import UPException
 from unified_planning.model import FNode
 from unified_planning.model.walkers import StateEvaluator
-from unified_planning.plans import ActionInstance, SequentialPlan
+from unified_planning.plans import ActionInstance
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.pddl import Task, atom_text, conjuncts, ground_text
+from mirror_explainer.simulation import Run, can_simulate, carry_out
 
 _NUMBER = r'\d+(?:\.\d*)?(?:e[+-]?\d+)?'
 _WORD = r'[^\s()\[\],;:]+'
@@ -36,6 +32,11 @@ _ANOTHER_TASK = 'Give domain, problem and plan of one task; this plan seems to b
 _NOT_CURRENT = (
     'Give the problem with the state as it is now, and the plan with what is left to do from '
     'there; publish both, one right after the other, whenever either changes.'
+)
+_LEAVE_OUT = 'Leave that out of the PDDL; the README says what is not read.'
+_UNCHECKED = (
+    'the plan cannot be checked: the problem may use more of PDDL than actions without duration, '
+    'or leave numbers without a first value'
 )
 
 
@@ -91,13 +92,12 @@ def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> flo
     none. Raises InputError that names the first action that fails and the
     condition it lacks, or the goal that the plan does not reach.
     """
-    plan = SequentialPlan([_action_instance(task, step, source) for step in steps])
-    kind = task.model.kind
-    kind.unset_initial_state('UNDEFINED_INITIAL_NUMERIC')  # it matters only if an action needs one
-    validator = SequentialPlanValidator()
-    validator.skip_checks = validator.supports(kind)
+    plan = [_action_instance(task, step, source) for step in steps]
+    if not can_simulate(task):
+        raise InputError(source, _UNCHECKED, cure=_LEAVE_OUT)
     try:
-        result = validator.validate(task.model, plan)
+        run = carry_out(task, plan)
+        failure = _failure(task, steps, plan, run, source)
     except (UPException, NotImplementedError) as error:
         missing = re.search(r'does not have a value for the value (.+)', str(error))
         if missing:
@@ -106,18 +106,10 @@ def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> flo
                 f'the problem gives no value for {missing[1]}, which the plan needs',
                 cure='Give it a value in the :init of the problem.',
             ) from error
-        raise InputError(
-            source,
-            'the plan cannot be checked: the problem may use more of PDDL than actions without '
-            f'duration, or leave numbers without a first value ({error})',
-            cure='Leave that out of the PDDL; the README says what is not read.',
-        ) from error
-    if result.status is not ValidationResultStatus.VALID:
-        raise _failure(task, steps, result, source)
-    if not result.metric_evaluations:
-        return float(len(steps))
-    (cost,) = result.metric_evaluations.values()
-    return float(cost)
+        raise InputError(source, f'{_UNCHECKED} ({error})', cure=_LEAVE_OUT) from error
+    if failure:
+        raise failure
+    return run.cost
 
 
 def without_dummy(task: Task, steps: tuple[Step, ...]) -> tuple[Step, ...]:
@@ -196,20 +188,17 @@ def _action_instance(task: Task, step: Step, source: str) -> ActionInstance:
 
 
 def _failure(
-    task: Task, steps: tuple[Step, ...], result: ValidationResult, source: str
-) -> InputError:
+    task: Task, steps: tuple[Step, ...], plan: list[ActionInstance], run: Run, source: str
+) -> InputError | None:
     """Say which action fails first and what it lacks, or which goal is not reached."""
     evaluator = StateEvaluator(task.model)
-    assert result.trace is not None  # the sequential validator always returns one
-    state = result.trace[-1]
-    if result.inapplicable_action is None:
+    state = run.states[-1]
+    position = len(run.states) - 1
+    if position == len(steps):
         missing = [g for g in task.model.goals if not evaluator.evaluate(g, state).is_true()]
-        return InputError(
-            source, f'the plan does not reach the goal: {_conditions(missing)}', cure=_NOT_CURRENT
-        )
-    position = len(result.trace) - 1
-    step = steps[position]
-    instance = result.inapplicable_action
+        reason = f'the plan does not reach the goal: {_conditions(missing)}'
+        return InputError(source, reason, cure=_NOT_CURRENT) if missing else None
+    step, instance = steps[position], plan[position]
     bound = dict(zip(instance.action.parameters, instance.actual_parameters, strict=True))
     missing = [
         condition.substitute(bound)

@@ -20,6 +20,7 @@ from unified_planning.exceptions import UPException
 from unified_planning.io.pddl_writer import ConverterToPDDLString
 from unified_planning.model.metrics import MinimizeActionCosts, MinimizeSequentialPlanLength
 
+from mirror_explainer.derived import Axioms
 from mirror_explainer.errors import InputError
 from mirror_explainer.pddl_sections import (
     line_at,
@@ -70,11 +71,16 @@ def require_fixed_durations(domain: str, source: str) -> None:
 
 
 def sequential_texts(
-    model: up.Problem, domain: str, problem: str, domain_source: str, problem_source: str
+    model: up.Problem,
+    axioms: Axioms | None,
+    domain: str,
+    problem: str,
+    domain_source: str,
+    problem_source: str,
 ) -> tuple[str, str]:
     """Return the texts of the same task without durative actions.
 
-    `model` is the task as read. An action costs its duration, one without takes
+    `model` and `axioms` are the task as read. An action costs its duration, one without takes
     no time; a metric of the total cost is kept instead. Raises InputError that
     names the place of what cannot be compiled.
     """
@@ -84,7 +90,7 @@ def sequential_texts(
     _require_no_timed_facts(model, problem, problem_source)
     durative = [action for action in model.actions if isinstance(action, up.DurativeAction)]
     for action in durative:
-        reason = _why_not(action)
+        reason = _why_not(action, axioms)
         if reason:
             raise InputError(
                 domain_source, f'"{action.name}" has {reason}, {_ANOTHER_WAY}', lines[action.name]
@@ -178,7 +184,7 @@ def _later_conditions(action: up.DurativeAction) -> list[up.FNode]:
     ]
 
 
-def _why_not(action: up.DurativeAction) -> str:
+def _why_not(action: up.DurativeAction, axioms: Axioms | None) -> str:
     """Say in a few words what of the action the compiler gets wrong, "" if nothing."""
     start, end = _effects(action)
     later = _later_conditions(action)
@@ -202,6 +208,9 @@ def _why_not(action: up.DurativeAction) -> str:
         return 'a conditional effect at its end on what changes at its start'
     if any(_literal(condition) is None and changed & used(condition) for condition in later):
         return 'a condition later than its start, and no plain fact, on what its start changes'
+    derived = axioms.fluents & (at_end | used(*later)) if axioms else frozenset()
+    if axioms and changed & axioms.basis(derived):
+        return 'a derived condition later than its start on what its start changes'
     return ''
 
 

@@ -249,9 +249,13 @@ def _fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[_Fault]
         seen.add(_canonical(atom))
         if task is not None:
             try:
-                fluent_expression(task.model, atom)
+                fluent = fluent_expression(task.model, atom).fluent()
             except InputError as error:
                 yield _Fault(path, error.reason)
+            else:
+                if task.axioms and fluent in task.axioms.fluents:
+                    reason = f'{atom} is derived from other facts: name those that are uncertain'
+                    yield _Fault(path, reason)
     for index, group in enumerate(_list(data, 'one_of')):
         facts = group.get('facts') if isinstance(group, dict) else None
         weights = list(facts.values()) if isinstance(facts, dict) else []

@@ -205,9 +205,10 @@ UNREADABLE = {
         ('(lit ?l - lamp)', '(lit ?l - (either lamp\n bulb))'),
         'domain, line 5: the type bulb is not declared',
     ),
-    'derived predicates': (
-        ('  (:action', '  (:derived (power) (exists (?l - lamp) (lit ?l)))\n  (:action'),
-        'domain, line 6: it has derived predicates (:derived), which unified-planning cannot read',
+    'axioms in an old form': (
+        ('  (:action', '  (:axiom :context (lit l1) :implies (power))\n  (:action'),
+        'domain, line 6: it has axioms in an old form (:axiom; write :derived), which '
+        'unified-planning cannot read',
     ),
 }
 

@@ -42,7 +42,14 @@ class Beliefs:
 
     def __init__(self, engine: str, space: BeliefSpace) -> None:
         self._engine = engine
-        self._model = pddl.read_task(space.domain, space.problem).model
+        task = pddl.read_task(space.domain, space.problem)
+        if task.axioms:
+            raise PlanningError(
+                f'the planning engine "{engine}" does not support derived predicates (:derived): '
+                'unified-planning has none',
+                cure='Name fast-downward-opt as the planner, or leave them out of the PDDL.',
+            )
+        self._model = task.model
         self._goals = [pddl.goal_expression(self._model, goal) for goal in space.goals]
         self._facts = {
             fact: pddl.fluent_expression(self._model, fact) for fact in space.uncertain_facts

@@ -1,0 +1,277 @@
+"""Derived predicates: what holds in a state because other facts do.
+
+unified-planning has none. For its reader the axioms, (:derived …), are taken out
+of the domain, and what they define are plain predicates; here the axioms become
+rules of Datalog, by which every state gets its derived facts.
+"""
+
+import itertools
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import unified_planning.model as up
+
+from mirror_explainer.axiom_rules import Axiom, AxiomRules, is_made_up
+from mirror_explainer.datalog import ExplosionError, Fact, Program, UnstratifiedError
+from mirror_explainer.errors import InputError
+from mirror_explainer.pddl_expressions import Expressions, nested_words
+from mirror_explainer.pddl_sections import blanked, line_at, section, sections, without_comments
+
+_DERIVED = ':derived'
+_REQUIREMENT = re.compile(r':(?:derived-predicates|domain-axioms)(?![\w-])', re.IGNORECASE)
+
+# Working out what holds in one state may take a second or two, and no more.
+_MOST_STEPS = 1_000_000
+
+# Conditions may be nested as deep as this; nobody writes them half as deep.
+_DEEPEST = 50
+
+
+def without_axioms(domain: str) -> str:
+    """Return the domain with blanks for its axioms: its lines stay where they are."""
+    for part in sections(domain):
+        if part.keyword == _DERIVED:
+            domain = blanked(domain, part.start, part.end)
+    requirements = section(domain, ':requirements')
+    if requirements:
+        plain = without_comments(domain)
+        for found in _REQUIREMENT.finditer(plain, requirements.start, requirements.end):
+            domain = blanked(domain, found.start(), found.end(), ':strips')
+    return domain
+
+
+@dataclass(frozen=True)
+class Axioms:
+    """The axioms of a task, whose model has what they define as plain fluents.
+
+    `source` names the domain in errors.
+    """
+
+    axioms: tuple[Axiom, ...]
+    model: up.Problem = field(repr=False)
+    source: str
+
+    @cached_property
+    def fluents(self) -> frozenset[up.Fluent]:
+        """The predicates that are derived."""
+        return frozenset(axiom.fluent for axiom in self.axioms)
+
+    def basis(self, fluents: Collection[up.Fluent]) -> frozenset[up.Fluent]:
+        """Return the fluents, and all that they depend on by the axioms."""
+        found = set(fluents)
+        waiting = list(fluents)
+        while waiting:
+            fluent = waiting.pop()
+            for axiom in self.axioms:
+                if axiom.fluent == fluent:
+                    new = _fluents(axiom.body) - found
+                    found |= new
+                    waiting += new
+        return frozenset(found)
+
+    @cached_property
+    def _asked(self) -> frozenset[up.Fluent]:
+        """What the values in a state depend on that actions and the goal ask for."""
+        conditions = [*self.model.goals]
+        for action in self.model.actions:
+            conditions += action.preconditions
+            for effect in action.effects:
+                conditions += [effect.condition, effect.value]
+        return self.basis(set().union(*map(_fluents, conditions)))
+
+    @cached_property
+    def _program(self) -> tuple[Program, tuple[Fact, ...]]:
+        """The rules, and the facts about types and equality that they use."""
+        rules = AxiomRules(axiom for axiom in self.axioms if axiom.fluent in self._asked)
+        return Program(rules.rules), rules.facts(self.model)
+
+    def holding(self, values: Mapping[up.FNode, up.FNode]) -> Iterator[up.FNode]:
+        """Yield the derived atoms that hold, as far as actions and goal ask, in a state.
+
+        Raises InputError where that takes too long.
+        """
+        program, fixed = self._program
+        names = {fluent.name: fluent for fluent in self._asked & self.fluents}
+        given = (
+            (atom.fluent().name, *map(str, atom.args))
+            for atom, value in values.items()
+            if value.is_true() and atom.fluent() in self._asked
+        )
+        try:
+            facts = program.consequences(itertools.chain(fixed, given), _MOST_STEPS)
+        except ExplosionError as error:
+            raise InputError(
+                self.source,
+                'its derived predicates hold of too many objects, or look at too many, to be '
+                'worked out in time',
+                cure='Give them fewer arguments, or arguments of narrower types.',
+            ) from error
+        manager = self.model.environment.expression_manager
+        for name, *objects in facts:
+            if name in names:
+                yield manager.FluentExp(names[name], [self.model.object(o) for o in objects])
+
+    def first_state(self) -> '_State':
+        """Return the initial state, for unified-planning's simulator of `open_model`."""
+        return _State(dict(self.model.explicit_initial_values), self)
+
+    def changes(self, atoms: Iterable[up.FNode]) -> bool:
+        """Say whether a change of these atoms may change what is derived."""
+        return any(atom.fluent() in self._asked for atom in atoms)
+
+    def open_model(self) -> up.Problem:
+        """Return the model with an action besides that seems to change the derived facts.
+
+        unified-planning would take what no action changes for the same everywhere.
+        """
+        model = self.model.clone()
+        for number, fluent in enumerate(sorted(self.fluents, key=lambda fluent: fluent.name)):
+            action = up.InstantaneousAction(
+                f'@{number}',
+                {parameter.name: parameter.type for parameter in fluent.signature},
+                model.environment,
+            )
+            action.add_effect(fluent(*action.parameters), True)
+            model.add_action(action)
+        return model
+
+
+class _State(up.UPState):
+    """A state whose derived atoms have the values that the axioms give them."""
+
+    def __init__(
+        self,
+        values: dict[up.FNode, up.FNode],
+        axioms: Axioms,
+        derived: Collection[up.FNode] | None = None,
+    ) -> None:
+        self._given = values
+        self._axioms = axioms
+        self._derived = frozenset(axioms.holding(values)) if derived is None else derived
+        true = axioms.model.environment.expression_manager.TRUE()
+        super().__init__(values | dict.fromkeys(self._derived, true), axioms.model)
+
+    def make_child(self, updated_values: dict[up.FNode, up.FNode]) -> '_State':
+        derived = None if self._axioms.changes(updated_values) else self._derived
+        return _State(self._given | updated_values, self._axioms, derived)
+
+
+def read_axioms(
+    model: up.Problem, domain: str, problem: str, domain_source: str, problem_source: str
+) -> Axioms | None:
+    """Return the domain's axioms, None if it has none; `model` was read without them.
+
+    Raises InputError that names what is wrong with them, and the line.
+    """
+    found = []
+    for part in sections(domain):
+        if part.keyword == _DERIVED:
+            text = without_comments(domain[part.start : part.end]).lower()
+            try:
+                _require_shallow(text, domain_source)
+                found.append(_axiom(model, nested_words(text, domain_source), domain_source))
+            except InputError as error:
+                line = line_at(domain, part.start)
+                raise InputError(domain_source, error.reason, line) from error
+    if not found:
+        return None
+    axioms = Axioms(tuple(found), model, domain_source)
+    _require_derived_only(axioms, domain, problem, domain_source, problem_source)
+    try:
+        Program(AxiomRules(found).rules)
+    except UnstratifiedError as error:
+        names = ', '.join(f'"{n}"' for n in error.predicates if not is_made_up(n))
+        raise InputError(
+            domain_source,
+            f'derived predicates depend on their own negation, or on (forall …) about '
+            f'themselves: {names}',
+        ) from error
+    return axioms
+
+
+def _require_shallow(text: str, source: str) -> None:
+    """Raise InputError for what is nested so deep that Python could not follow it."""
+    steps = ((character == '(') - (character == ')') for character in text)
+    if max(itertools.accumulate(steps), default=0) > _DEEPEST:
+        raise InputError(source, 'the text is nested too deeply')
+
+
+def _axiom(model: up.Problem, words: Any, source: str) -> Axiom:
+    if len(words) != 3 or not all(isinstance(part, list) for part in words[1:]) or not words[1]:
+        raise InputError(
+            source, '(:derived …) takes a predicate with its variables, and one condition'
+        )
+    (name, *parameters), body = words[1:]
+    shown = f'the derived predicate "{name}"'
+    if not isinstance(name, str) or not model.has_fluent(name):
+        raise InputError(source, f'{shown} is not declared in :predicates')
+    fluent = model.fluent(name)
+    faults = list[str]()
+    expressions = Expressions(model, faults)
+    bound = expressions.variables(parameters)
+    if faults:
+        raise InputError(source, '; '.join(faults))
+    if not fluent.type.is_bool_type():
+        raise InputError(source, f'{shown} is declared as a number')
+    if fluent.arity != len(bound):
+        raise InputError(
+            source, f'{shown} is declared with {fluent.arity} arguments, not {len(bound)}'
+        )
+    for (variable, given), declared in zip(bound.items(), fluent.signature, strict=True):
+        if given.type.is_compatible(declared.type):  # the declared type is the narrower one
+            bound[variable] = up.Variable(given.name, declared.type, model.environment)
+        elif not declared.type.is_compatible(given.type):
+            raise InputError(
+                source,
+                f'{shown} is declared with a {declared.type.name}, not a {given.type.name}, as '
+                f'{variable}',
+            )
+    condition = expressions.expression(body, bound)
+    if faults:
+        raise InputError(source, '; '.join(faults))
+    return Axiom(fluent, tuple(bound.values()), condition)
+
+
+def _require_derived_only(
+    axioms: Axioms, domain: str, problem: str, domain_source: str, problem_source: str
+) -> None:
+    """Raise InputError if an action, or the initial state, sets a derived fact."""
+    for action in axioms.model.actions:
+        for effect in _effects(action):
+            if effect.fluent.fluent() in axioms.fluents:
+                own = rf'\(\s*:\S*action\s+{re.escape(action.name)}(?![\w-])'
+                raise InputError(
+                    domain_source,
+                    f'"{effect.fluent.fluent().name}" is derived, but the action '
+                    f'"{action.name}" changes it',
+                    _line_of(own, domain),
+                )
+    for atom, value in axioms.model.explicit_initial_values.items():
+        name = atom.fluent().name
+        if value.is_true() and atom.fluent() in axioms.fluents:
+            raise InputError(
+                problem_source,
+                f'"{name}" is derived, so it cannot be among the initial facts',
+                _line_of(rf'\(\s*{re.escape(name)}(?![\w-])', problem),
+            )
+
+
+def _effects(action: up.Action) -> list[up.Effect]:
+    if isinstance(action, up.DurativeAction):
+        return [*itertools.chain.from_iterable(action.effects.values())]
+    return [*action.effects]
+
+
+def _line_of(expression: str, text: str) -> int | None:
+    found = re.search(expression, without_comments(text), re.IGNORECASE)
+    return line_at(text, found.start()) if found else None
+
+
+def _fluents(expression: up.FNode) -> set[up.Fluent]:
+    """Return the fluents in an expression, under quantifiers, too."""
+    if expression.is_fluent_exp():
+        return {expression.fluent()}
+    return set().union(*map(_fluents, expression.args))
