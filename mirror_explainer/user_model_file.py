@@ -1,0 +1,159 @@
+"""The form of a user model's YAML file: its keys and types, and the place of what is wrong."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import yaml
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from mirror_explainer.errors import InputError
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra='forbid', strict=True, frozen=True)
+
+
+_Weight = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+_Probability = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+_Text = Annotated[str, Field(min_length=1, pattern=r'\S')]
+
+
+class GoalEntry(_Section):
+    """One of the candidate goals."""
+
+    goal: _Text
+    name: _Text | None = None
+    probability: _Weight | None = None
+
+
+class _UncertainFact(_Section):
+    fact: _Text
+    probability: _Probability
+
+
+class _OneOf(_Section):
+    facts: Annotated[dict[_Text, _Weight], Field(min_length=1)]
+
+
+class _Wording(_Section):
+    template: _Text
+    when: dict[str, dict[str, _Text]] = {}
+
+
+class UserModelFile(_Section):
+    """The file's schema; what only the domain can tell is checked afterwards."""
+
+    goals: Annotated[list[GoalEntry], Field(min_length=1)] = []
+    hyps_file: _Text = ''
+    uncertain_facts: list[_UncertainFact] = []
+    one_of: list[_OneOf] = []
+    rationality: _Weight = 1.0
+    unlisted_goal_probability: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] = 0.05
+    sentences: dict[
+        str,
+        Annotated[
+            _Wording, BeforeValidator(lambda v: {'template': v} if isinstance(v, str) else v)
+        ],
+    ] = {}
+    objects: dict[str, _Text] = {}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something wrong, with the keys and indices that lead to it in the YAML."""
+
+    path: tuple[str | int, ...]
+    reason: str
+
+
+def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
+    """Return the YAML mapping twice: as nodes, which know their lines, and as plain values."""
+    try:
+        loader = yaml.SafeLoader(text)
+        root = loader.get_single_node()
+        data = loader.construct_document(root) if root else None
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        reason = f'no YAML that can be read: {error.problem or error.context}'
+        raise InputError(source, reason, mark.line + 1 if mark else None) from error
+    except (yaml.YAMLError, RecursionError, ValueError, LookupError, AttributeError) as error:
+        # The last three: PyYAML's constructors meet a tag such as !!int on a text that is none.
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(source, f'no YAML that can be read: {reason}') from error
+    if root is None or not isinstance(data, dict):
+        raise InputError(source, 'the user model must be a mapping with "goals" or "hyps_file"', 1)
+    return root, data
+
+
+def repeated_keys(root: yaml.Node) -> Iterator[Fault]:
+    """Find keys that stand twice in one mapping, of which YAML would silently drop one."""
+    waiting: list[tuple[tuple[str | int, ...], yaml.Node]] = [((), root)]
+    visited: set[int] = set()
+    while waiting:
+        path, node = waiting.pop()
+        if id(node) in visited:
+            continue
+        visited.add(id(node))
+        if isinstance(node, yaml.SequenceNode):
+            waiting += [((*path, index), item) for index, item in enumerate(node.value)]
+        elif isinstance(node, yaml.MappingNode):
+            keys: set[str] = set()
+            for key, value in node.value:
+                if key.value in keys:
+                    yield Fault((*path, key.value), f'the key "{key.value}" stands here twice')
+                elif isinstance(key, yaml.ScalarNode):
+                    keys.add(key.value)
+                waiting.append(((*path, key.value), value))
+
+
+def schema_reason(detail: Mapping[str, Any]) -> str:
+    """Return a validation error in plain words."""
+    if detail['type'] == 'extra_forbidden':
+        return 'unknown key'
+    if detail['type'] == 'missing':
+        return 'this key is missing'
+    if detail['type'] == 'float_type' and isinstance(detail['input'], str):
+        exponential = re.fullmatch(r'[-+]?\d+e[-+]?\d+', detail['input'], re.IGNORECASE)
+        hint = ' (YAML wants a point in 1.0e-3)' if exponential else ''
+        return f'"{detail["input"]}" is a text, not a number{hint}'
+    if detail['type'] in ('model_type', 'dict_type'):
+        return 'this should be a mapping: "key: value" lines, or {key: value}'
+    if detail['type'] == 'list_type':
+        return 'this should be a list: lines that begin with "- ", or [one, another]'
+    if detail['type'] == 'too_short':
+        return 'there is nothing in it'
+    if detail['type'] in ('string_too_short', 'string_pattern_mismatch'):
+        return 'this text is blank'
+    return str(detail['msg']).replace('Input should be', 'this should be')
+
+
+def report(faults: Sequence[Fault], root: yaml.Node) -> tuple[str, int | None]:
+    """Return all faults as one sentence in the order of the file, and the line of a single one."""
+    lines = sorted({(_line(root, fault.path), _named(fault)) for fault in faults})
+    if len(lines) == 1:
+        return lines[0][1], lines[0][0]
+    listed = '; '.join(f'line {line}: {reason}' for line, reason in lines)
+    return f'{len(lines)} faults: {listed}', None
+
+
+def _named(fault: Fault) -> str:
+    place = ''.join(f'[{p}]' if isinstance(p, int) else f'.{p}' for p in fault.path).lstrip('.')
+    return f'{place}: {fault.reason}' if place else fault.reason
+
+
+def _line(root: yaml.Node, path: Iterable[str | int]) -> int:
+    """Return the line (from 1) of what the path leads to, or of the nearest thing above it."""
+    node, line = root, root.start_mark.line
+    for step in path:
+        if isinstance(node, yaml.SequenceNode) and isinstance(step, int):
+            node = node.value[step]
+            line = node.start_mark.line
+        elif isinstance(node, yaml.MappingNode):
+            # Of equal keys the last counts: YAML keeps that one.
+            found = [pair for pair in node.value if pair[0].value == str(step)]
+            if found:
+                key, node = found[-1]
+                line = key.start_mark.line
+    return line + 1
