@@ -340,6 +340,29 @@ def test_decimal_costs_are_exact() -> None:
     assert report.results[0].plans == (Plan(('(cut-fast)', '(polish)'), 0.35),)
 
 
+def test_only_numbers_that_actions_cost_count() -> None:
+    # A battery level, as measured, that no action needs: negative, too many digits, or both.
+    domain = TOOLS_DOMAIN.replace('(total-cost) - number', '(total-cost) (level) (speed) - number')
+    problem = TOOLS_PROBLEM.replace('(raw)', '(raw) (= (level) 0.123456789) (= (speed) -1.5)')
+    unasked = problem.replace('(:metric minimize (total-cost))', '')
+    with Planner('fast-downward-opt') as planner:
+        reports = [
+            planner.plan(
+                BeliefSpace(changed, text, TOOLS.goals, TOOLS.uncertain_facts), [Belief(0, SHARP)]
+            )
+            for changed, text in (
+                (domain, problem),
+                (domain.replace('2)', '0.000123456789)'), unasked),
+                (domain.replace('1)', '0.5)'), unasked),
+            )
+        ]
+
+    # where no metric asks for costs, the last two are the same to the planner
+    assert [report.way for report in reports] == ['grounded once'] * 2 + ['grounding kept']
+    # cut-fast and polish: 2 + 1; without a metric, two actions
+    assert [report.results[0].plans[0].cost for report in reports] == [3, 2, 2]
+
+
 def test_conditional_effects_are_planned_for_one_belief_at_a_time() -> None:
     domain = TOOLS_DOMAIN.replace('(and (polished)', '(and (when (saw-sharp) (lost)) (polished)')
     space = BeliefSpace(domain, TOOLS_PROBLEM, TOOLS.goals, TOOLS.uncertain_facts)

@@ -4,7 +4,7 @@ A goal becomes an action that leads to one common end fact, and each uncertain
 fact gets two actions that make it true and false.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
@@ -14,6 +14,8 @@ from typing import Any
 REACHED = '@reached'
 GOAL_ACTION = '@goal'
 FACT_ACTION = '@fact'
+
+_TOTAL_COST = 'total-cost'
 
 # Costs scaled to integers may not come near the limit of a 32-bit sum.
 _LARGEST_COST = 1_000_000
@@ -54,15 +56,17 @@ def read_lists(
     constants += _closed(sections.pop(':objects', []))
     init = sections.get(':init', [])
     metric = sections.get(':metric')
-    scale = _scale([domain, init])
+    values = _cost_values(domain, init) if metric else []
+    scale = _scale([*_increases(domain), *(value[2] for value in values)]) if metric else 1
+    factor = scale if metric else 0  # where nobody asks for costs, the translator wants integers
     return Lists(
-        domain=_scaled(_with_constants(domain, constants), scale),
+        domain=_scaled(_with_constants(domain, constants), factor),
         goals=tuple(goals),
         facts=tuple(map(tuple, facts)),
         initial_facts=tuple(
             dict.fromkeys(tuple(fact) for fact in init if fact and fact[0] not in ('=', 'not'))
         ),
-        initial_numbers=tuple(_scaled([fact for fact in init if fact[:1] == ['=']], scale)),
+        initial_numbers=tuple(_scaled(values, factor)),
         metric=[':metric', *metric] if metric else None,
         scale=scale,
     )
@@ -131,32 +135,49 @@ def _with_constants(domain: list[Any], constants: list[Any]) -> list[Any]:
     return ['define', *head, *actions]
 
 
-def _numbers(tree: Any) -> Iterator[str]:
-    """Yield the numbers in costs: the last word of every (increase …) and (= …)."""
+def _increases(tree: Any) -> Iterator[Any]:
+    """Yield what actions cost: a number, or the function whose value it is."""
     if isinstance(tree, list):
-        if len(tree) == 3 and tree[0] in ('increase', '=') and _is_number(tree[2]):
+        if len(tree) == 3 and tree[0] == 'increase' and _function(tree[1]) == _TOTAL_COST:
             yield tree[2]
         for part in tree:
-            yield from _numbers(part)
+            yield from _increases(part)
+
+
+def _cost_values(domain: list[Any], init: list[Any]) -> list[Any]:
+    """Return the initial (= (function …) number) of the functions that actions cost.
+
+    The translator has no other numbers. A function that conditions or effects
+    need is refused there; any other may be left out.
+    """
+    functions = {_TOTAL_COST, *map(_function, _increases(domain))}
+    numbers = [fact for fact in init if fact[:1] == ['='] and len(fact) == 3]
+    return [number for number in numbers if _function(number[1]) in functions]
+
+
+def _function(term: Any) -> str | None:
+    """Return the function's name in "(distance a b)" or "total-cost", None if there is none."""
+    name = term[0] if isinstance(term, list) and term else term
+    return name if isinstance(name, str) else None
+
+
+def _scale(costs: Iterable[Any]) -> int:
+    """Return the least factor that makes all costs integers."""
+    numbers = [Fraction(cost) for cost in costs if _is_number(cost)]
+    scale = lcm(*(number.denominator for number in numbers))
+    if scale > 1 and max(numbers) * scale > _LARGEST_COST:
+        raise UnfitError('costs with too many digits')
+    return scale
 
 
 def _is_number(word: Any) -> bool:
     return isinstance(word, str) and word.replace('.', '', 1).isdigit()
 
 
-def _scale(tree: Any) -> int:
-    """Return the least factor that makes all costs integers."""
-    costs = [Fraction(number) for number in _numbers(tree)]
-    scale = lcm(*(cost.denominator for cost in costs))
-    if scale > 1 and max(costs) * scale > _LARGEST_COST:
-        raise UnfitError('costs with too many digits')
-    return scale
-
-
-def _scaled(tree: Any, scale: int) -> Any:
+def _scaled(tree: Any, factor: int) -> Any:
     """Return the tree with its costs multiplied."""
     if not isinstance(tree, list):
         return tree
     if len(tree) == 3 and tree[0] in ('increase', '=') and _is_number(tree[2]):
-        return [tree[0], tree[1], str(Fraction(tree[2]) * scale)]
-    return [_scaled(part, scale) for part in tree]
+        return [tree[0], tree[1], str(Fraction(tree[2]) * factor)]
+    return [_scaled(part, factor) for part in tree]
