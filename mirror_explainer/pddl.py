@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import pyparsing
 import unified_planning.model as up
+from unified_planning import environment
 from unified_planning.exceptions import UPException
 from unified_planning.io import PDDLReader
 
@@ -78,6 +79,16 @@ class Task:
         start = re.search(r'\(\s*:goal\b', text)
         assert start is not None  # a problem without a goal is not read
         return as_text(NESTED.parse_string(text[start.start() :]).as_list()[0][1])
+
+
+def forget_expressions() -> None:
+    """Let unified-planning start afresh; tasks read before can't be worked with any more.
+
+    It keeps every expression that was ever read, which a process that runs for
+    weeks can't afford. (Environments of one's own are not for use: in 1.3 its reader
+    and its engines still make parts of a problem in the default one.)
+    """
+    environment.GLOBAL_ENVIRONMENT = None
 
 
 def read_task(

@@ -17,7 +17,7 @@ from functools import cached_property
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.moment import Moment
-from mirror_explainer.pddl import Task, read_task, require_definition
+from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
 from mirror_explainer.plan_text import read_plan
 from mirror_explainer.planning import Planner
 from mirror_explainer.text_files import TextFiles
@@ -286,6 +286,7 @@ class Updates:
     def _read(self, domain: Text, problem: Text) -> Task:
         """Return the task, read again only when its texts changed."""
         if self._task is None or self._task[:2] != (domain, problem):
+            forget_expressions()
             task = read_task(domain.text, problem.text, domain.source, problem.source)
             self._task = (domain, problem, task)
         return self._task[2]

@@ -5,12 +5,14 @@ import re
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from unified_planning import environment
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.pddl import (
     Task,
     atom_text,
     fluent_expression,
+    forget_expressions,
     goal_expression,
     ground_text,
     literals,
@@ -400,3 +402,16 @@ def test_whatever_the_texts_only_input_errors_of_one_line_escape(
         goal_expression(task.model, goal)
     except InputError as error:
         assert len(str(error).splitlines()) == 1
+
+
+def test_expressions_are_kept_only_until_they_are_forgotten(warehouse, monkeypatch):
+    default = environment.GLOBAL_ENVIRONMENT  # other tests' tasks need it afterwards
+    monkeypatch.setattr(environment, 'GLOBAL_ENVIRONMENT', default)
+    domain, problem = ((warehouse / f'{name}.pddl').read_text() for name in ('domain', 'problem'))
+    counts = []
+    for number in range(3):
+        forget_expressions()
+        task = read_task(domain, problem.replace('red_cube', f'red_cube_{number}'))
+        counts.append(len(environment.get_environment().expression_manager.expressions))
+    assert counts == counts[:1] * 3
+    assert '(item-at red_cube_2 red_room)' in task.initial_facts

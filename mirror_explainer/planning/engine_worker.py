@@ -132,7 +132,6 @@ def _require_support(name: str, engine_class: Any, model: up.Problem) -> None:
 def main() -> None:
     """Serve the parent until it ends this process."""
     parent = Parent()
-    get_environment().credits_stream = None
     warnings.simplefilter('ignore')
     beliefs: Beliefs | None = None
     seconds = 0.0
@@ -142,6 +141,8 @@ def main() -> None:
             seconds = message.planning_timeout
             limit_memory(message.memory_limit)
             limit_engine(None)
+            pddl.forget_expressions()
+            get_environment().credits_stream = None
             try:
                 beliefs = Beliefs(message.engine, message.space)
             except InputError as error:
