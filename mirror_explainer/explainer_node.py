@@ -39,6 +39,8 @@ from mirror_explainer.updates import Inputs, Phase, State, Text, Updates
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)
+# With the usual depth of 10, calls of more clients at once than that would get lost.
+MANY_CALLS = QoSProfile(depth=1000)
 INPUTS = ('domain', 'problem', 'plan')
 # A call that waits for an explanation holds one of the executor's threads.
 THREADS = 64
@@ -90,7 +92,13 @@ class ExplainerNode(Node):
                         use_default_callbacks=qos is VOLATILE
                     ),
                 )
-        self.create_service(Trigger, 'verbalize_plan', self._verbalize, callback_group=at_once)
+        self.create_service(
+            Trigger,
+            'verbalize_plan',
+            self._verbalize,
+            qos_profile=MANY_CALLS,
+            callback_group=at_once,
+        )
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
         # Not the node's clock, which stands still when the system's is set back.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
