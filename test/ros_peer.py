@@ -236,10 +236,27 @@ def running(
     options: Sequence[str] = (),
     **parameters: object,
 ) -> Iterator[Process]:
-    """Run an executable of the package with these parameters, and end it afterwards.
+    """Run an executable of the package, end it afterwards, and show its log if a test fails.
 
     `options` are its own ones, not those of ROS.
     """
+    with started(executable, namespace, folder, options=options, **parameters) as process:
+        try:
+            yield process
+        finally:
+            print(process.log)
+
+
+@contextmanager
+def started(
+    executable: str,
+    namespace: str,
+    folder: Path,
+    *,
+    options: Sequence[str] = (),
+    **parameters: object,
+) -> Iterator[Process]:
+    """Run an executable of the package with these parameters, and end it afterwards."""
     given = {name: value for name, value in parameters.items() if value != ''}
     arguments = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
     process = Process(executable, namespace, folder / f'{executable}.log', arguments, options)
@@ -253,7 +270,6 @@ def running(
             except subprocess.TimeoutExpired:
                 process.popen.kill()
                 process.popen.wait()
-        print(process.log)
 
 
 def explainer(peer: Peer, folder: Path, **parameters: object) -> AbstractContextManager[Process]:

@@ -1,0 +1,102 @@
+"""A robot that sends one update after another, and the check of what callers heard meanwhile."""
+
+import bisect
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from crowd import Answer, Calls
+from parcels import RightAnswers, number_in, plan, problem
+from rclpy.duration import Duration
+from ros_peer import LATCHED, PATIENCE, Peer
+from std_msgs.msg import String
+
+NOT_READY = 'the explanation is not ready yet'
+
+
+class RobotStream:
+    """Publishes numbered updates: a new problem, and its plan.
+
+    `published` has the time before each was published, `heard` the time when
+    the node's middleware had acknowledged it: time.monotonic(), by number from 0.
+    """
+
+    def __init__(self, peer: Peer) -> None:
+        self._problem = peer.node.create_publisher(String, 'problem', LATCHED)
+        self._plan = peer.node.create_publisher(String, 'plan', LATCHED)
+        self.published: list[float] = []
+        self.heard: list[float] = []
+
+    @property
+    def newest(self) -> int:
+        """The number of the newest update."""
+        return len(self.published) - 1
+
+    def send(self) -> None:
+        """Publish the next update, and wait until the node's middleware has it."""
+        number = len(self.published)
+        texts = problem(number), plan(number)
+        self.published.append(time.monotonic())
+        for publisher, text in zip((self._problem, self._plan), texts, strict=True):
+            publisher.publish(String(data=text))
+        for publisher in (self._problem, self._plan):
+            assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE)), 'the node is deaf'
+        self.heard.append(time.monotonic())
+
+    def send_many(self, count: int, rate: float) -> float:
+        """Publish so many updates, `rate` a second; return the rate that came out."""
+        began = time.monotonic()
+        for index in range(count):
+            time.sleep(max(0.0, began + index / rate - time.monotonic()))
+            self.send()
+        return count / max(time.monotonic() - began, 1 / rate)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How many calls got what. Only the first two are no faults.
+
+    `right`: the right answer to an update that was the robot's newest at some
+    time during the call. `not_ready`: a refusal that says so. `stale`: the answer
+    to an update when a newer one had been heard before the call began. `wrong`:
+    anything else. `lost`: no answer at all.
+    """
+
+    right: int = 0
+    not_ready: int = 0
+    stale: int = 0
+    wrong: int = 0
+    lost: int = 0
+    examples: tuple[str, ...] = ()
+
+    @property
+    def faults(self) -> int:
+        """How many calls got what no call may get."""
+        return self.stale + self.wrong + self.lost
+
+
+def judge(calls: Calls, robot: RobotStream, right: RightAnswers) -> Verdict:
+    """Check each answer against the updates that it could have been made from."""
+    found: dict[str, list[Answer]] = {'right': [], 'not_ready': [], 'stale': [], 'wrong': []}
+    for answer in calls.answers:
+        found[_kind(answer, robot, right)].append(answer)
+    return Verdict(
+        **{kind: len(answers) for kind, answers in found.items()},
+        lost=calls.lost,
+        examples=tuple(a.message for a in _firsts(found['stale'], found['wrong'])),
+    )
+
+
+def _kind(answer: Answer, robot: RobotStream, right: RightAnswers) -> str:
+    if not answer.success:
+        return 'not_ready' if answer.message.startswith(NOT_READY) else 'wrong'
+    number = number_in(answer.message)
+    surely_heard = bisect.bisect_right(robot.heard, answer.began) - 1
+    newest = bisect.bisect_right(robot.published, answer.ended) - 1
+    if number is None or number > newest or answer.message != right.to(number):
+        return 'wrong'
+    return 'right' if number >= surely_heard else 'stale'
+
+
+def _firsts(*kinds: list[Answer]) -> Iterable[Answer]:
+    return (answer for answers in kinds for answer in answers[:2])
