@@ -1,0 +1,138 @@
+"""The node's rights and its words, seen from the ROS side."""
+
+import itertools
+import os
+import subprocess
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+
+import rclpy
+from ament_index_python.packages import get_package_prefix, get_package_share_directory
+from ros_peer import PATIENCE, THREE_SENTENCES, USER_MODEL, Peer, eventually, running
+
+POLICY = Path(get_package_share_directory('mirror_explainer')) / 'config/sros2/policy.xml'
+# A policy's element and attribute, and what rclpy calls it.
+RIGHTS = {
+    ('topics', 'publish'): 'publisher',
+    ('topics', 'subscribe'): 'subscriber',
+    ('services', 'reply'): 'service',
+    ('services', 'request'): 'client',
+}
+
+_namespaces = (f'/secured_{os.getpid()}_{number}' for number in itertools.count())
+
+
+@pytest.fixture(scope='module', autouse=True)
+def ros() -> Iterator[None]:
+    rclpy.init()
+    yield
+    rclpy.try_shutdown()
+
+
+@pytest.fixture
+def peer() -> Iterator[Peer]:
+    peer = Peer(next(_namespaces))
+    yield peer
+    peer.close()
+
+
+def allowed(enclave: str, namespace: str) -> dict[str, set[str]]:
+    """Return the full names that the policy allows to an enclave's node in a namespace."""
+    found = ElementTree.parse(POLICY).find(f'enclaves/enclave[@path="{enclave}"]/profiles/profile')
+    assert found is not None and found.get('ns') == '/'
+    beginnings = {'/': '/', '~': f'{namespace}/{found.get("node")}/'}
+    names: dict[str, set[str]] = {what: set() for what in RIGHTS.values()}
+    for group in found:
+        for attribute, value in group.items():
+            assert value == 'ALLOW'
+            for name in group:
+                assert name.text
+                start = beginnings.get(name.text[0])
+                full = start + name.text.lstrip('~/') if start else f'{namespace}/{name.text}'
+                names[RIGHTS[group.tag, attribute]].add(full)
+    return names
+
+
+def used(peer: Peer, node: str) -> dict[str, set[str]]:
+    """Return the full names that a node of the peer's namespace uses."""
+    return {
+        what: {
+            name
+            for name, _ in getattr(peer.node, f'get_{what}_names_and_types_by_node')(
+                node, peer.node.get_namespace()
+            )
+        }
+        for what in RIGHTS.values()
+    }
+
+
+def test_the_policy_allows_the_node_what_it_uses_and_no_more(peer, tmp_path):
+    expected = allowed('/mirror_explainer', peer.node.get_namespace())
+    with running(
+        'explainer_node', peer.node.get_namespace(), tmp_path, user_model_file=USER_MODEL
+    ):
+        peer.publish_warehouse()
+        answer = peer.answer()
+        # What others know of a node lags behind it.
+        eventually(lambda: used(peer, 'mirror_explainer')['publisher'] >= expected['publisher'],
+                   'the node in the graph')  # fmt: skip
+        found = used(peer, 'mirror_explainer')
+    assert answer == THREE_SENTENCES
+    assert found == expected
+
+
+def test_the_policy_allows_the_demo_robot_what_it_uses_and_no_more(peer, tmp_path):
+    expected = allowed('/robot', peer.node.get_namespace())
+    with running('warehouse_robot', peer.node.get_namespace(), tmp_path):
+        peer.hear('plan')
+        eventually(lambda: peer.hear('plan'), 'the plan')
+        eventually(lambda: peer.node.get_node_names().count('warehouse_robot'), 'the robot')
+        found = eventually(
+            lambda: (now := used(peer, 'warehouse_robot'))['service'] and now, 'its services'
+        )
+    assert found == expected
+
+
+def test_the_operator_may_ask_and_listen_but_set_nothing():
+    explainer, operator = allowed('/mirror_explainer', '/a'), allowed('/operator', '/a')
+
+    assert operator['client'] == {'/a/verbalize_plan', '/a/mirror_explainer/forget'}
+    assert operator['client'] <= explainer['service']
+    assert operator['subscriber'] <= explainer['publisher']
+
+
+def test_where_security_is_enforced_the_node_does_not_start_without_its_keys(tmp_path):
+    node = Path(get_package_prefix('mirror_explainer')) / 'lib/mirror_explainer/explainer_node'
+    enforced = {
+        'ROS_SECURITY_ENABLE': 'true',
+        'ROS_SECURITY_STRATEGY': 'Enforce',
+        'ROS_SECURITY_KEYSTORE': str(tmp_path),
+    }
+    ended = subprocess.run(
+        [node, '--ros-args', '--enclave', '/mirror_explainer'],
+        env=os.environ | enforced,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
+
+    assert ended.returncode != 0
+    assert 'SECURITY' in ended.stderr.upper()
+
+
+def test_a_terminal_and_a_format_find_nothing_to_obey_in_a_logged_name(peer, tmp_path):
+    with running(
+        'explainer_node', peer.node.get_namespace(), tmp_path, user_model_file=USER_MODEL
+    ) as node:
+        peer.publish_warehouse()
+        peer.answer()
+        peer.publish('plan', '(%s%n%p{0.__class__}$HOME \x1b]0;owned\x07a\x9b31m)')
+        reason = peer.failure('%s%n%p{0.__class__}$HOME')
+        eventually(lambda: reason in node.log, 'the reason in the log')
+        log = node.log
+    assert not {'\x1b', '\x07', '\x9b'} & set(log + reason)
