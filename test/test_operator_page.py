@@ -4,9 +4,8 @@ import http.client
 import itertools
 import os
 import signal
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -18,37 +17,35 @@ pytest.importorskip('playwright', reason='playwright is not installed (the extra
 import rclpy
 from browser import PATIENCE, SCREENS, Server, overflow, person, served, violations
 from playwright.sync_api import Locator, Page, expect
-from ros_peer import DOMAIN, PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Peer, running
+from ros_peer import PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Peer, Process, running
 
 expect.set_options(timeout=PATIENCE)
 SENTENCES = THREE_SENTENCES.split('\n')
 _namespaces = (f'/page_{os.getpid()}_{number}' for number in itertools.count())
 
 
-@dataclass
 class Stack:
-    """A robot's stack under test: the robot is the peer."""
+    """A robot's stack under test, in a namespace of its own: the robot is the peer."""
 
-    peer: Peer
-    page: Server
-    folder: Path
+    def __init__(self, folder: Path, own: ExitStack) -> None:
+        self._folder, self._own = folder, own
+        self.peer = Peer(next(_namespaces))
+        own.callback(self.peer.close)
+        self._namespace = self.peer.node.get_namespace()
+        ros = ['--ros-args', '-r', f'__ns:={self._namespace}']
+        command = ['-m', 'mirror_explainer.operator_page', '--port', '0', *ros]
+        self.page: Server = own.enter_context(served(command))
+        self.user_model = folder / 'user_model.yaml'
+        self.user_model.write_text(Path(USER_MODEL).read_text())
 
-    def explainer(self, **parameters: object):
-        parameters = {'user_model_file': USER_MODEL, 'answer_timeout': 30.0} | parameters
-        return running('explainer_node', self.peer.node.get_namespace(), self.folder, **parameters)
+    def start_explainer(self) -> Process:
+        parameters = {'user_model_file': self.user_model, 'answer_timeout': 30.0}
+        return self._own.enter_context(
+            running('explainer_node', self._namespace, self._folder, **parameters)
+        )
 
-
-@contextmanager
-def stack(folder: Path, arguments: Sequence[str] = ()) -> Iterator[Stack]:
-    """A peer and an operator's page, in a namespace of their own."""
-    peer = Peer(next(_namespaces))
-    ros = ['--ros-args', '-r', f'__ns:={peer.node.get_namespace()}']
-    command = ['-m', 'mirror_explainer.operator_page', '--port', '0', *arguments, *ros]
-    try:
-        with served(command) as server:
-            yield Stack(peer, server, folder)
-    finally:
-        peer.close()
+    def robot(self, **parameters: object):
+        return running('warehouse_robot', self._namespace, self._folder, **parameters)
 
 
 @pytest.fixture(scope='module', autouse=True)
@@ -58,10 +55,19 @@ def ros() -> Iterator[None]:
     rclpy.try_shutdown()
 
 
+@pytest.fixture
+def stack(tmp_path: Path) -> Iterator[Stack]:
+    """A stack without an explainer."""
+    with ExitStack() as own:
+        yield Stack(tmp_path, own)
+
+
 @pytest.fixture(scope='module')
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
     """A stack with an explainer, for tests that leave it as it was."""
-    with stack(tmp_path_factory.mktemp('stack')) as shared, shared.explainer():
+    with ExitStack() as own:
+        shared = Stack(tmp_path_factory.mktemp('stack'), own)
+        shared.explainer = shared.start_explainer()
         shared.peer.publish_warehouse()
         shared.peer.answer()
         yield shared
@@ -192,15 +198,13 @@ def test_two_browsers_show_the_same_answer_and_both_can_ask(chromium, operator, 
         expect(answer(other)).to_have_text(SENTENCES[:2])
 
 
-@pytest.mark.parametrize('screen', SCREENS)
-def test_the_page_fits_every_screen_also_at_200_percent(chromium, shared, screen):
-    with person(chromium, screen) as page:
-        page.goto(shared.page.url)
-        button(page).click()
-        expect(answer(page).first).to_be_visible()
-        page.locator('summary').click()
-        assert overflow(page) <= 0
-        assert violations(page) == []
+def test_the_page_fits_every_screen_also_at_200_percent_and_on_a_phone(operator):
+    button(operator).click()
+    operator.locator('summary').click()
+    for width, height in (*SCREENS.values(), (320, 568)):
+        operator.set_viewport_size({'width': width, 'height': height})
+        assert overflow(operator) <= 0
+        assert violations(operator) == []
 
 
 def test_without_scripts_the_button_works_too(chromium, shared):
@@ -212,63 +216,53 @@ def test_without_scripts_the_button_works_too(chromium, shared):
     context.close()
 
 
-def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(chromium, tmp_path):
+def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator, shared, tmp_path):
     problem = PROBLEM.replace('(robot-at left)', '(robot-at red_room)')
     files = {
         'problem_file': problem.replace('(item-at blue_cube blue_room)', '(holding blue_cube)'),
-        'plan_file': PLAN[PLAN.index('(grab red_circle') :],
+        'plan_file': PLAN[PLAN.index('(move red_room doors)') :],
     }
+    files['problem_file'] = files['problem_file'].replace(
+        '(item-at red_circle red_room)', '(holding red_circle)'
+    )
     for name, text in files.items():
         (tmp_path / name).write_text(text)
-    with stack(tmp_path) as robot, robot.explainer(n=10), person(chromium) as page:
-        robot.peer.publish('domain', DOMAIN)
-        robot.peer.publish('problem', files['problem_file'])
-        robot.peer.publish('plan', files['plan_file'])
-        page.goto(f'{robot.page.url}?follow=on')
-        expect(page.locator('#condition')).to_contain_text('Ready')
-        button(page).click()
-        expect(answer(page)).to_have_count(4)
-        namespace = robot.peer.node.get_namespace()
-        paths = {name: tmp_path / name for name in files}
-        with running('warehouse_robot', namespace, tmp_path, step_period=1.0, **paths):
-            expect(page.locator('#said')).to_contain_text('Nothing is left to do')
-        expect(page.locator('#currency')).to_have_text('')
+    operator.goto(f'{shared.page.url}?follow=on')
+    button(operator).click()
+    expect(answer(operator)).to_have_text(SENTENCES)
+    with shared.robot(step_period=1.0, **{name: tmp_path / name for name in files}):
+        expect(operator.locator('#said')).to_contain_text('Nothing is left to do')
+    expect(operator.locator('#currency')).to_have_text('')
+    shared.peer.publish_warehouse()
+    shared.peer.answer()
 
 
-def test_a_killed_explainer_is_missed_and_its_answer_is_not_passed_off_as_new(chromium, tmp_path):
-    user_model = tmp_path / 'user_model.yaml'
-    user_model.write_text(Path(USER_MODEL).read_text())
-    with stack(tmp_path) as robot, person(chromium) as page:
-        page.goto(robot.page.url)
+def test_a_killed_explainer_is_missed_and_its_answer_is_not_passed_off_as_new(operator, shared):
+    button(operator).click()
+    expect(operator.locator('#currency')).to_have_text('')
+    shared.explainer.stop(signal.SIGKILL)
+    expect(operator.locator('#condition')).to_contain_text('Silent. No news')
+    expect(operator.locator('#currency')).to_contain_text('may be old')
+    assert violations(operator) == []
+    with shared.user_model.open('a') as file:
+        file.write('# changed while nobody looked\n')
+    shared.explainer = shared.start_explainer()
+    expect(operator.locator('#condition')).to_contain_text('Ready')
+    expect(operator.locator('#currency')).to_contain_text('an older plan')
+    button(operator).click()
+    expect(operator.locator('#currency')).to_have_text('')
+    expect(answer(operator)).to_have_text(SENTENCES)
+
+
+def test_what_is_not_there_is_told_an_explainer_and_the_page_itself(chromium, stack):
+    with person(chromium) as page:
+        page.goto(stack.page.url)
         expect(page.locator('#condition')).to_contain_text('Silent. Nothing was heard')
         button(page).click()
         expect(page.locator('#said')).to_contain_text('Is the explainer running?')
-        assert violations(page) == []
-        with robot.explainer(user_model_file=user_model) as first:
-            robot.peer.publish_warehouse()
-            robot.peer.answer()
-            expect(answer(page)).to_have_text(SENTENCES)
-            expect(page.locator('#currency')).to_have_text('')
-            first.stop(signal.SIGKILL)
-        expect(page.locator('#condition')).to_contain_text('Silent. No news')
-        expect(page.locator('#currency')).to_contain_text('may be old')
-        assert violations(page) == []
-        with user_model.open('a') as file:
-            file.write('# changed while nobody looked\n')
-        with robot.explainer(user_model_file=user_model, n=2):
-            expect(page.locator('#condition')).to_contain_text('Ready')
-            expect(page.locator('#currency')).to_contain_text('an older plan')
-            expect(page.get_by_role('slider')).to_have_value('2')
-            button(page).click()
-            expect(answer(page)).to_have_text(SENTENCES[:2])
-            expect(page.locator('#currency')).to_have_text('')
-
-
-def test_a_page_that_has_lost_its_program_says_so(chromium, tmp_path):
-    with stack(tmp_path) as robot, person(chromium) as page:
-        page.goto(robot.page.url)
         expect(page.get_by_role('alert')).to_have_count(0)
-        robot.page.kill()
+        assert violations(page) == []
+        stack.page.kill()
         expect(page.get_by_role('alert')).to_contain_text('lost its program')
         assert violations(page) == []
         page.errors.clear()  # of the browser, that nobody answers
