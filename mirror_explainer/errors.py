@@ -1,24 +1,44 @@
 """The package's errors: few, named, and worded for the person who must act on them."""
 
+# Room for every fault of a long user model, and for no text that was taken for a name.
+LONGEST_WORD = 200
+LONGEST_MESSAGE = 4000
+
+
+def one_line(text: str) -> str:
+    """Return a message as one line that is safe to log, whatever texts it quotes.
+
+    What a terminal would obey is written as an escape, and what is too long to
+    be read is cut.
+    """
+    words = (
+        word if len(word) <= LONGEST_WORD else f'{word[:LONGEST_WORD]}…'
+        for word in text[: 2 * LONGEST_MESSAGE].split()
+    )
+    line = ''.join(
+        letter if letter.isprintable() else letter.encode('unicode_escape').decode()
+        for letter in ' '.join(words)
+    )
+    return line if len(line) <= LONGEST_MESSAGE else f'{line[:LONGEST_MESSAGE]} …'
+
 
 class InputError(ValueError):
     """Something given to the explainer is wrong: a text, a file, a message.
 
     `source` names the file or topic, `line` is counted from 1 (None where no
-    single line is to blame), and `reason` is one plain sentence. `cure` says what
-    to do about it, where the reason does not make that plain.
+    single line is to blame), and `reason` is one plain sentence; both as `one_line`.
+    `cure` says what to do about it, where the reason does not make that plain.
     """
 
     def __init__(
         self, source: str, reason: str, line: int | None = None, *, cure: str = ''
     ) -> None:
-        reason = ' '.join(reason.split())  # one line, whatever the texts quoted in it
-        self.source = source
-        self.reason = reason
+        self.source = one_line(source)
+        self.reason = one_line(reason)
         self.line = line
         self.cure = cure
-        place = source if line is None else f'{source}, line {line}'
-        super().__init__(f'{place}: {reason}')
+        place = self.source if line is None else f'{self.source}, line {line}'
+        super().__init__(f'{place}: {self.reason}')
 
 
 class NoPlanError(InputError):

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
+from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.mirror_model import MirrorModel, mirror_model
 from mirror_explainer.pddl import Task
 from mirror_explainer.plan_text import check_plan, read_plan, without_dummy
@@ -143,15 +144,17 @@ class Explanation:
         return explanation
 
 
-def robot_plan(task: Task, text: str, source: str = 'plan') -> Plan:
+def robot_plan(
+    task: Task, text: str, source: str = 'plan', limits: InputLimits | None = None
+) -> Plan:
     """Return π_R from its text, checked against the task.
 
     Raises InputError for a text that is no plan of the task, NoPlanError for
     an empty one unless the goal already holds.
     """
-    steps = without_dummy(task, read_plan(text, source))
+    steps = without_dummy(task, read_plan(text, source, limits))
     try:
-        cost = check_plan(task, steps, source)
+        cost = check_plan(task, steps, source, limits)
     except InputError as error:
         if steps:
             raise

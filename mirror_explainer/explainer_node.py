@@ -6,6 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 from typing import Any
 
 # Our matrices are small: numpy's own threads only take the processors from the robot.
@@ -31,6 +32,7 @@ from mirror_explainer.answers import Answers, printable
 from mirror_explainer.diagnostics import diagnose
 from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.history import History, news
+from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.parameters import PARAMETERS
 from mirror_explainer.planning import Planner
 from mirror_explainer.ros_log import RosLog
@@ -144,6 +146,7 @@ class ExplainerNode(Node):
                 max_beliefs=self._value('max_beliefs'),
                 plans_per_belief=self._value('plans_per_belief'),
                 deadline=self._value('deadline'),
+                limits=InputLimits(**{f.name: self._value(f.name) for f in fields(InputLimits)}),
             )
             self._updates.submit(self._inputs)
 

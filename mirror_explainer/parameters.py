@@ -3,6 +3,7 @@
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
 from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.input_limits import InputLimits
 
 
 def _text(description: str, read_only: bool = False) -> ParameterDescriptor:
@@ -45,5 +46,32 @@ PARAMETERS = (
     ('answer_timeout', 5.0, _number('s, that a call waits for an update', 0, 1e6)),
     ('workers', 2, _count('planning processes at a time', 1, 256, True)),
     ('planner_memory_limit', 1024, _count('MiB, for each search', 80, 1 << 24, True)),
+    (
+        'max_message_bytes',
+        InputLimits.max_message_bytes,
+        _count('bytes of a message, or of a file', 1000, 1 << 30),
+    ),
+    (
+        'max_objects',
+        InputLimits.max_objects,
+        _count('objects of a problem, with constants', 1, 1 << 20),
+    ),
+    (
+        'max_words',
+        InputLimits.max_words,
+        _count('words of a domain or problem, initial facts left out', 10, 1 << 30),
+    ),
+    ('max_plan_length', InputLimits.max_plan_length, _count('actions of a plan', 1, 1 << 20)),
+    (
+        'max_instances',
+        InputLimits.max_instances,
+        _count('conditions and effects to look at to check a plan', 1, 1 << 30),
+    ),
+    ('max_goals', InputLimits.max_goals, _count('goals of a user model', 1, 1 << 20)),
+    (
+        'max_uncertain_facts',
+        InputLimits.max_uncertain_facts,
+        _count('uncertain facts of a user model, those of one_of included', 0, 10_000),
+    ),
     ('downward_binary', '', _text("Fast Downward's search, if self-built", True)),
 )

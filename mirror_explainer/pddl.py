@@ -16,6 +16,7 @@ from unified_planning.io import PDDLReader
 
 from mirror_explainer.derived import Axioms, read_axioms, without_axioms
 from mirror_explainer.errors import InputError
+from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl_expressions import NESTED, Expressions, as_text, nested_words
 from mirror_explainer.pddl_sections import (
     require_readable,
@@ -25,7 +26,10 @@ from mirror_explainer.pddl_sections import (
     without_costs,
     without_total_time,
 )
+from mirror_explainer.pddl_size import require_few, require_shallow, require_steady_numbers
+from mirror_explainer.pddl_state import add_facts, without_plain_facts
 from mirror_explainer.sequential import is_durative, require_fixed_durations, sequential_texts
+from mirror_explainer.text_files import plain_text
 
 # What unified-planning's reader raises for a text that is no good, besides a bare
 # AssertionError or a Python error from deep inside it for the odder ones.
@@ -92,16 +96,24 @@ def forget_expressions() -> None:
 
 
 def read_task(
-    domain: str, problem: str, domain_source: str = 'domain', problem_source: str = 'problem'
+    domain: str,
+    problem: str,
+    domain_source: str = 'domain',
+    problem_source: str = 'problem',
+    limits: InputLimits | None = None,
 ) -> Task:
     """Read a PDDL domain and problem.
 
     The sources name the file or topic in errors. Raises InputError for a text
-    that is not PDDL, is inconsistent, or has more of PDDL than can be explained.
+    that is not PDDL, is inconsistent, is beyond the limits, or has more of PDDL
+    than can be explained.
     """
-    domain, problem = domain.removeprefix('\ufeff'), problem.removeprefix('\ufeff')
-    require_definition(domain, 'domain', domain_source)
-    require_definition(problem, 'problem', problem_source)
+    domain, problem = plain_text(domain), plain_text(problem)
+    require_definition(domain, 'domain', domain_source, limits)
+    require_definition(problem, 'problem', problem_source, limits)
+    if limits:
+        rest, _ = without_plain_facts(problem)
+        require_few(domain, rest, limits, domain_source, problem_source)
     require_readable(domain, problem, domain_source, problem_source)
     problem = without_total_time(problem)
     durative = is_durative(domain)
@@ -119,6 +131,7 @@ def read_task(
         axioms = read_axioms(model, domain, problem, domain_source, problem_source)
     if not all(isinstance(action, up.InstantaneousAction) for action in model.actions):
         raise InputError(domain_source, 'it has actions other than :action and :durative-action')
+    require_steady_numbers(model, domain_source)
     goals = conjuncts(model.environment.expression_manager.And(model.goals))
     model.clear_goals()
     for conjunct in goals:
@@ -129,8 +142,9 @@ def read_task(
 def _read_model(domain: str, problem: str, domain_source: str, problem_source: str) -> up.Problem:
     """Return unified-planning's problem. Raises InputError with lines of the texts given."""
     readable = with_plain_predicates(without_axioms(domain))
+    rest, facts = without_plain_facts(problem)
     try:
-        model = PDDLReader().parse_problem_string(readable, problem)
+        model = PDDLReader().parse_problem_string(readable, rest)
     except _READER_ERRORS as error:
         _raise_for_domain_alone(readable, domain_source)
         raise _input_error(
@@ -139,6 +153,11 @@ def _read_model(domain: str, problem: str, domain_source: str, problem_source: s
     for name, line in types_in_alternatives(domain):
         if name != 'object' and name not in {item.name for item in model.user_types}:
             raise InputError(domain_source, f'the type {name} is not declared', line)
+    try:
+        add_facts(model, facts, problem_source)
+    except InputError as error:
+        hint = _domain_hint(domain, problem)
+        raise InputError(error.source, error.reason + hint, error.line) from error
     return model
 
 
@@ -191,8 +210,16 @@ def goal_expression(model: up.Problem, goal: str, source: str = 'goal') -> up.FN
     return expression
 
 
-def require_definition(text: str, kind: str, source: str) -> None:
-    """Raise InputError unless the text begins as a PDDL domain or problem should."""
+def require_definition(
+    text: str, kind: str, source: str, limits: InputLimits | None = None
+) -> None:
+    """Raise InputError unless a text begins as a PDDL domain or problem should.
+
+    Also for one that is too long or nested too deeply: all that can be said of it at once.
+    """
+    if limits:
+        limits.require_bytes(text, source)
+    text = plain_text(text)
     if not text.strip():
         raise InputError(
             source,
@@ -217,6 +244,7 @@ def require_definition(text: str, kind: str, source: str) -> None:
             text.count('\n', 0, found.end()) + 1,
             cure='Check which is which: the files, or the names and remappings of the topics.',
         )
+    require_shallow(text, source)
 
 
 def _raise_for_domain_alone(domain: str, source: str) -> None:

@@ -10,8 +10,11 @@ from unified_planning.model.walkers import StateEvaluator
 from unified_planning.plans import ActionInstance
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl import Task, atom_text, conjuncts, ground_text
+from mirror_explainer.pddl_size import instances
 from mirror_explainer.simulation import Run, can_simulate, carry_out
+from mirror_explainer.text_files import plain_text
 
 _NUMBER = r'\d+(?:\.\d*)?(?:e[+-]?\d+)?'
 _WORD = r'[^\s()\[\],;:]+'
@@ -58,13 +61,18 @@ class Step:
         return ground_text(self.words[0], self.words[1:])
 
 
-def read_plan(text: str, source: str = 'plan') -> tuple[Step, ...]:
+def read_plan(
+    text: str, source: str = 'plan', limits: InputLimits | None = None
+) -> tuple[Step, ...]:
     """Read a plan text; timed lines are put in the order of their start times.
 
     An empty text, or one of comments only, is the empty plan. Raises
-    InputError with line and text for anything that is no plan line.
+    InputError with line and text for anything that is no plan line, and for
+    more than the limits allow.
     """
-    text = text.removeprefix('\ufeff')
+    if limits:
+        limits.require_bytes(text, source)
+    text = plain_text(text)
     if re.match(r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\b', text, re.IGNORECASE):
         raise InputError(
             source,
@@ -73,6 +81,8 @@ def read_plan(text: str, source: str = 'plan') -> tuple[Step, ...]:
             cure='Check which is which: the files, or the names and remappings of the topics.',
         )
     steps = list(_steps(text, source))
+    if limits:
+        limits.require('max_plan_length', len(steps), 'its actions', source)
     timed = [step for step in steps if step.start is not None]
     if timed and len(timed) < len(steps):
         line = next(step.line for step in steps if step.start is None)
@@ -85,14 +95,23 @@ def read_plan(text: str, source: str = 'plan') -> tuple[Step, ...]:
     return tuple(sorted(steps, key=lambda step: step.start or 0.0))
 
 
-def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> float:
+def check_plan(
+    task: Task,
+    steps: tuple[Step, ...],
+    source: str = 'plan',
+    limits: InputLimits | None = None,
+) -> float:
     """Check that the plan can be carried out and reaches the task's goal; return its cost.
 
     The cost is in the problem's metric: the number of actions where it has
     none. Raises InputError that names the first action that fails and the
-    condition it lacks, or the goal that the plan does not reach.
+    condition it lacks, or the goal that the plan does not reach; or says that
+    there is more to check than the limits allow.
     """
     plan = [_action_instance(task, step, source) for step in steps]
+    if limits:
+        count = instances(task.model, [instance.action for instance in plan])
+        limits.require('max_instances', count, 'the facts to look at to check it', source)
     if not can_simulate(task):
         raise InputError(source, _UNCHECKED, cure=_LEAVE_OUT)
     try:
@@ -107,6 +126,8 @@ def check_plan(task: Task, steps: tuple[Step, ...], source: str = 'plan') -> flo
                 cure='Give it a value in the :init of the problem.',
             ) from error
         raise InputError(source, f'{_UNCHECKED} ({error})', cure=_LEAVE_OUT) from error
+    except OverflowError as error:
+        raise InputError(source, 'its cost is too large a number') from error
     if failure:
         raise failure
     return run.cost
@@ -122,7 +143,7 @@ def without_dummy(task: Task, steps: tuple[Step, ...]) -> tuple[Step, ...]:
 def _steps(text: str, source: str) -> Iterator[Step]:
     """Yield the step of every line with an action."""
     in_up_plan = False
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.split('\n'), start=1):
         content = line
         header = _HEADER.match(line)
         if header:

@@ -1,24 +1,37 @@
-"""Text files in: one way to read them, and one sentence where they can't be."""
+"""Texts in: one way to read files, and one form of text, wherever it was written."""
 
 import errno
 import os
 import stat
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.input_limits import InputLimits
 
 
-def read_text(path: str) -> str:
+def plain_text(text: str) -> str:
+    """Return the text without a byte-order mark, and with one kind of line end."""
+    return text.removeprefix('\ufeff').replace('\r\n', '\n').replace('\r', '\n')
+
+
+def read_text(path: str, limits: InputLimits | None = None) -> str:
     """Read a plain text file; raises InputError that names it.
 
-    What would have to be waited for, such as a named pipe, is refused.
+    What would have to be waited for, such as a named pipe, is refused; and with
+    limits a file that is longer than a message may be.
     """
     try:
-        with open(path, encoding='utf-8-sig', opener=_open_at_once) as stream:
+        with open(path, 'rb', opener=_open_at_once) as stream:
             if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
                 raise OSError(errno.EINVAL, 'it is a pipe or a device')
-            return stream.read()
+            data = stream.read(limits.max_message_bytes + 1 if limits else -1)
+        if limits:
+            limits.require('max_message_bytes', len(data), 'its bytes', path)
+        return plain_text(data.decode())
+    except InputError:
+        raise
     except UnicodeDecodeError as error:
-        raise InputError(path, f'this is no UTF-8 text: {error.reason}') from error
+        line = error.object.count(b'\n', 0, error.start) + 1
+        raise InputError(path, f'this is no UTF-8 text: {error.reason}', line) from error
     except (OSError, ValueError) as error:  # the latter for a path that no file can have
         reason = getattr(error, 'strerror', None) or error
         raise InputError(path, f'the file cannot be read: {reason}') from error
@@ -37,10 +50,10 @@ class TextFiles:
     def __init__(self) -> None:
         self._seen: dict[str, object] = {}
 
-    def read(self, path: str) -> str:
+    def read(self, path: str, limits: InputLimits | None = None) -> str:
         """Read a text file as `read_text` does."""
         self._seen[path] = _stamp(path)  # before reading: what is written meanwhile must show
-        return read_text(path)
+        return read_text(path, limits)
 
     def changed(self) -> bool:
         """Say whether a file differs from when it was read, or last looked at here."""

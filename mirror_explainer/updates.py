@@ -12,10 +12,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from functools import cached_property
+from functools import cached_property, partial
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
+from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.moment import Moment
 from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
 from mirror_explainer.plan_text import read_plan
@@ -64,6 +65,7 @@ class Inputs:
     max_beliefs: int = 1024
     plans_per_belief: int = 300
     deadline: float | None = None
+    limits: InputLimits = field(default_factory=InputLimits)
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -230,7 +232,7 @@ class Updates:
         """Do the work, and put what goes wrong in words."""
         try:
             if inputs.missing:
-                _check_alone(inputs, self._files.read)
+                _check_alone(inputs, partial(self._files.read, limits=inputs.limits))
                 return State(
                     Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
                 )
@@ -247,11 +249,14 @@ class Updates:
     def _prepare(self, inputs: Inputs, cancelled: threading.Event) -> Preparation:
         assert inputs.problem and inputs.plan  # nothing is missing
         started = time.perf_counter()
-        read_file = self._files.read
+        limits = inputs.limits
+        read_file = partial(self._files.read, limits=limits)
         domain = inputs.domain or Text(read_file(inputs.domain_file), inputs.domain_file)
-        task = self._read(domain, inputs.problem)
-        plan = robot_plan(task, inputs.plan.text, inputs.plan.source)
-        user_model = read_user_model(inputs.user_model_file, task, read_file)
+        task = self._read(domain, inputs.problem, limits)
+        _stop_if(cancelled)
+        plan = robot_plan(task, inputs.plan.text, inputs.plan.source, limits)
+        _stop_if(cancelled)
+        user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
         read = time.perf_counter() - started
         preparation = prepare(
             task,
@@ -283,11 +288,11 @@ class Updates:
                 raise Cancelled
         return self._planner
 
-    def _read(self, domain: Text, problem: Text) -> Task:
+    def _read(self, domain: Text, problem: Text, limits: InputLimits) -> Task:
         """Return the task, read again only when its texts changed."""
         if self._task is None or self._task[:2] != (domain, problem):
             forget_expressions()
-            task = read_task(domain.text, problem.text, domain.source, problem.source)
+            task = read_task(domain.text, problem.text, domain.source, problem.source, limits)
             self._task = (domain, problem, task)
         return self._task[2]
 
@@ -296,6 +301,11 @@ class Updates:
             if not self._pending:
                 message = f'planning {done} of {beliefs}'
                 self._state = replace(self._state, message=message)
+
+
+def _stop_if(cancelled: threading.Event) -> None:
+    if cancelled.is_set():
+        raise Cancelled
 
 
 def _internal_error(error: Exception) -> State:
@@ -307,8 +317,8 @@ def _check_alone(inputs: Inputs, read: Callable[[str], str]) -> None:
     """Raise InputError for what is wrong already, whatever is still missing."""
     for text, kind in ((inputs.domain, 'domain'), (inputs.problem, 'problem')):
         if text:
-            require_definition(text.text, kind, text.source)
+            require_definition(text.text, kind, text.source, inputs.limits)
     if inputs.plan:
-        read_plan(inputs.plan.text, inputs.plan.source)
+        read_plan(inputs.plan.text, inputs.plan.source, inputs.limits)
     if inputs.user_model_file:
-        read_user_model(inputs.user_model_file, read=read)
+        read_user_model(inputs.user_model_file, read=read, limits=inputs.limits)

@@ -12,10 +12,12 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl import Task
 from mirror_explainer.sentences import Template, action_parameters
 from mirror_explainer.text_files import read_text
 from mirror_explainer.user_model_checks import (
+    atoms,
     candidate_goals,
     canonical,
     fact_faults,
@@ -26,9 +28,9 @@ from mirror_explainer.user_model_file import (
     GoalEntry,
     UserModelFile,
     parse_yaml,
-    repeated_keys,
     report,
     schema_reason,
+    text_faults,
 )
 
 
@@ -63,22 +65,27 @@ def read_user_model(
     path: str | os.PathLike[str],
     task: Task | None = None,
     read: Callable[[str], str] = read_text,
+    limits: InputLimits | None = None,
 ) -> UserModel:
     """Read a user model's YAML file, and check it against the task's domain if one is given.
 
     `read` reads the file, and the `hyps_file` that it may name. Raises InputError
     with all faults: unknown keys, wrong types, atoms, actions or parameters that
-    the domain does not have.
+    the domain does not have; or for more than the limits allow.
     """
     source = os.fspath(path)
     root, data = parse_yaml(read(source), source)
-    faults = [*repeated_keys(root)]
+    faults = [*text_faults(root)]
     try:
         file: UserModelFile | None = UserModelFile.model_validate(data)
     except ValidationError as error:
         file = None
         faults += [Fault(detail['loc'], schema_reason(detail)) for detail in error.errors()]
-    goals, goal_faults = candidate_goals(data, Path(path).parent, task, read)
+    goals, goal_faults = candidate_goals(data, Path(path), task, read)
+    if limits:
+        limits.require('max_goals', len(goals), 'its goals', source)
+        facts = sum(1 for _ in atoms(data))
+        limits.require('max_uncertain_facts', facts, 'its uncertain facts', source)
     faults += goal_faults
     faults += fact_faults(data, task)
     if task is not None:

@@ -13,9 +13,12 @@ from mirror_explainer.user_model_file import Fault, GoalEntry
 
 
 def candidate_goals(
-    data: Mapping[str, Any], folder: Path, task: Task | None, read: Callable[[str], str]
+    data: Mapping[str, Any], path: Path, task: Task | None, read: Callable[[str], str]
 ) -> tuple[list[GoalEntry], list[Fault]]:
-    """Return the candidate goals, of the list or of the PUCRS file, and their faults."""
+    """Return the candidate goals, of the list or of the PUCRS file, and their faults.
+
+    `path` is the user model's own.
+    """
     faults: list[Fault] = []
     placed: list[tuple[tuple[str | int, ...], str, GoalEntry]] = []
     if ('goals' in data) == ('hyps_file' in data):
@@ -29,17 +32,18 @@ def candidate_goals(
                 if isinstance(text, str) and text.strip():
                     faults += _expression_faults(task, text, ('goals', index, 'goal'))
     elif isinstance(data.get('hyps_file'), str) and data['hyps_file'].strip():
-        path = folder / data['hyps_file']
+        hypotheses = path.parent / data['hyps_file']
         try:
-            lines = read(str(path)).splitlines()
+            _require_below(path, hypotheses)
+            lines = read(str(hypotheses)).split('\n')
         except InputError as error:
             return [], [*faults, Fault(('hyps_file',), str(error))]
         for number, line in enumerate(lines, start=1):
             if line.strip():
                 goal = GoalEntry(goal=f'(and {line.replace(",", " ")})', name=line.strip())
-                placed.append((('hyps_file',), f'{path.name}, line {number}: ', goal))
+                placed.append((('hyps_file',), f'{hypotheses.name}, line {number}: ', goal))
         if not placed:
-            faults.append(Fault(('hyps_file',), f'{path} has no goals'))
+            faults.append(Fault(('hyps_file',), f'{hypotheses} has no goals'))
     names: set[str] = set()
     for place, where, goal in placed:
         name = goal.name or goal.goal
@@ -53,6 +57,21 @@ def candidate_goals(
     elif weights and None not in weights and not any(weights):
         faults.append(Fault(('goals',), 'every goal has probability 0'))
     return [goal for _, _, goal in placed], faults
+
+
+def _require_below(user_model: Path, hypotheses: Path) -> None:
+    """Raise InputError for a file outside of the user model's folder, also where links lead to.
+
+    Errors quote what they cannot read: who may name a model must not learn what other files say.
+    """
+    try:
+        below = hypotheses.resolve().is_relative_to(user_model.resolve().parent)
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links, or no file's name
+        raise InputError(str(hypotheses), f'the file cannot be read: {error}') from error
+    if not below:
+        raise InputError(
+            str(hypotheses), "the file is outside of the user model's folder: copy it there"
+        )
 
 
 def _expression_faults(
@@ -69,7 +88,7 @@ def _expression_faults(
 def fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[Fault]:
     """Find atoms that the domain does not have, atoms named twice, and empty groups."""
     seen: set[str] = set()
-    for path, atom in _atoms(data):
+    for path, atom in atoms(data):
         if canonical(atom) in seen:
             yield Fault(path, f'{atom} is named more than once')
         seen.add(canonical(atom))
@@ -89,7 +108,7 @@ def fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[Fault]:
             yield Fault(('one_of', index), 'every fact of the group has probability 0')
 
 
-def _atoms(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], str]]:
+def atoms(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], str]]:
     """Yield path and text of every atom whose probability the file gives."""
     for index, entry in enumerate(_list(data, 'uncertain_facts')):
         if isinstance(entry, dict) and isinstance(entry.get('fact'), str):

@@ -60,6 +60,12 @@ class UserModelFile(_Section):
     objects: dict[str, _Text] = {}
 
 
+# Far more than a model without aliases has.
+_MOST_NODES = 100_000
+# Control characters and halves of characters, but for white space, which a sentence has anyhow.
+_CONTROL = re.compile('[\0-\x08\x0e-\x1b\x7f-\x84\x86-\x9f\ud800-\udfff]')
+
+
 @dataclass(frozen=True)
 class Fault:
     """Something wrong, with the keys and indices that lead to it in the YAML."""
@@ -73,7 +79,11 @@ def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
     try:
         loader = yaml.SafeLoader(text)
         root = loader.get_single_node()
+        if root:
+            _require_few_nodes(root, source)
         data = loader.construct_document(root) if root else None
+    except InputError:
+        raise
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         reason = f'no YAML that can be read: {error.problem or error.context}'
@@ -87,8 +97,43 @@ def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
     return root, data
 
 
-def repeated_keys(root: yaml.Node) -> Iterator[Fault]:
-    """Find keys that stand twice in one mapping, of which YAML would silently drop one."""
+def _require_few_nodes(root: yaml.Node, source: str) -> None:
+    """Raise InputError for aliases that stand for more than they could say in full.
+
+    Aliases of aliases double with every line what they stand for, and one inside
+    of what it stands for has no end.
+    """
+    sizes: dict[int, int] = {}  # by node; 0 until all that is inside is known
+    waiting = [root]
+    while waiting:
+        node, inside = waiting[-1], _inside(waiting[-1])
+        if id(node) not in sizes:
+            sizes[id(node)] = 0
+            waiting += [part for part in inside if id(part) not in sizes]
+            continue
+        waiting.pop()
+        if not all(sizes[id(part)] for part in inside):
+            raise InputError(source, 'an alias stands inside of what it stands for', _row(node))
+        sizes[id(node)] = 1 + sum(sizes[id(part)] for part in inside)
+        if sizes[id(node)] > max(_MOST_NODES, 2 * len(sizes)):
+            raise InputError(source, 'its aliases stand for too much', _row(node))
+
+
+def _inside(node: yaml.Node) -> list[yaml.Node]:
+    if isinstance(node, yaml.MappingNode):
+        return [part for pair in node.value for part in pair]
+    return node.value if isinstance(node, yaml.SequenceNode) else []
+
+
+def _row(node: yaml.Node) -> int:
+    return int(node.start_mark.line) + 1
+
+
+def text_faults(root: yaml.Node) -> Iterator[Fault]:
+    """Find what YAML lets pass: keys that stand twice in one mapping, and control characters.
+
+    Of equal keys YAML would silently drop one; and no sentence may tell a terminal what to do.
+    """
     waiting: list[tuple[tuple[str | int, ...], yaml.Node]] = [((), root)]
     visited: set[int] = set()
     while waiting:
@@ -101,11 +146,14 @@ def repeated_keys(root: yaml.Node) -> Iterator[Fault]:
         elif isinstance(node, yaml.MappingNode):
             keys: set[str] = set()
             for key, value in node.value:
+                waiting += [((*path, key.value), key), ((*path, key.value), value)]
                 if key.value in keys:
                     yield Fault((*path, key.value), f'the key "{key.value}" stands here twice')
                 elif isinstance(key, yaml.ScalarNode):
                     keys.add(key.value)
-                waiting.append(((*path, key.value), value))
+        elif found := _CONTROL.search(node.value):
+            character = f'U+{ord(found[0]):04X}'
+            yield Fault(path, f'this text has a character that is no text: {character}')
 
 
 def schema_reason(detail: Mapping[str, Any]) -> str:

@@ -274,7 +274,7 @@ FAULTS = {
     'no condition': ('(:derived (stuck) (not (reachable Dock)))', '(:derived (stuck))',
         'domain, line 10: (:derived …) takes a predicate with its variables, and one condition'),
     'nested too deeply': ('(not (reachable Dock))', '(not ' * 200 + '(held cup)' + ')' * 200,
-        'domain, line 10: the text is nested too deeply'),
+        'domain, line 10: the text is nested too deeply: more than 40 parentheses in each other'),
     'its own negation': ('(robot-at ?r) (exists', '(not (stuck)) (exists', 'domain: derived '
         'predicates depend on their own negation, or on (forall …) about themselves: '
         '"reachable", "stuck"'),

@@ -204,8 +204,13 @@ BAD_INPUTS = {
     'an empty problem': ('problem', '', 'the text is empty'),
     'an empty plan': ('plan', '', 'no current plan'),
     'an empty domain': ('domain', ' \n', 'the text is empty'),
-    'noise': ('plan', 'x y\n' * 1_250_000, '/plan, line 1: this is no action'),
-    'noise in place of PDDL': ('problem', '\x7f(§' * 1_250_000, '/problem'),
+    'noise': ('plan', 'x y\n' * 100_000, '/plan, line 1: this is no action'),
+    'noise in place of PDDL': ('problem', '\x7f(§' * 100_000, '/problem'),
+    'too much noise': (
+        'plan',
+        'x y\n' * 5_000_000,
+        '/plan: its bytes (20000000) are more than max_',
+    ),
 }
 
 

@@ -135,7 +135,7 @@ def test_five_megabytes_of_noise_are_refused_in_seconds_and_in_few_words(noise: 
     with pytest.raises(InputError) as refused:
         read_plan(noise)
 
-    assert len(str(refused.value)) < 200
+    assert len(str(refused.value)) < 400
     assert time.monotonic() - started < 15  # a pattern of quadratic time would need days
 
 

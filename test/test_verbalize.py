@@ -226,7 +226,8 @@ def test_bad_pddl_is_told_with_file_and_line(in_process, tmp_path: Path, warehou
 
     assert in_process(problem=problem) == (
         2,
-        f'verbalize: {problem}, line 13: unknown name in (robt-at left)\n',
+        f'verbalize: {problem}, line 13: (robt-at left): the domain has no predicate "robt-at" '
+        '(did you mean "robot-at"?)\n',
     )
 
 
@@ -270,7 +271,10 @@ def test_a_file_that_is_no_text_or_a_folder_is_told(in_process, tmp_path: Path) 
     binary.write_bytes(b'\xff\xfe(\x00')
 
     status, told = in_process(plan=binary)
-    assert (status, told.startswith(f'verbalize: {binary}: this is no UTF-8 text: ')) == (2, True)
+    assert (status, told.startswith(f'verbalize: {binary}, line 1: this is no UTF-8 text: ')) == (
+        2,
+        True,
+    )
     status, told = in_process(plan=tmp_path)
     assert (status, told) == (
         2,
