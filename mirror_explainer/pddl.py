@@ -15,6 +15,7 @@ from unified_planning.exceptions import UPException
 from unified_planning.io import PDDLReader
 
 from mirror_explainer.derived import Axioms, read_axioms, without_axioms
+from mirror_explainer.either_types import with_common_supertypes
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl_expressions import NESTED, Expressions, as_text, nested_words
@@ -114,6 +115,7 @@ def read_task(
     if limits:
         rest, _ = without_plain_facts(problem)
         require_few(domain, rest, limits, domain_source, problem_source)
+    domain, problem = with_common_supertypes(domain, problem)
     require_readable(domain, problem, domain_source, problem_source)
     problem = without_total_time(problem)
     durative = is_durative(domain)

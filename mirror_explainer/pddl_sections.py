@@ -88,8 +88,7 @@ def require_readable(domain: str, problem: str, domain_source: str, problem_sour
         if found:
             raise InputError(
                 source,
-                f'"{found[0]}" is a type that unified-planning can read in :predicates only; '
-                'declare a common supertype instead',
+                f'no one type stands for "{found[0]}" here; declare a common supertype instead',
                 line_at(text, found.start()),
             )
 

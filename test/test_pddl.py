@@ -198,11 +198,6 @@ def test_one_of_several_types_in_a_predicate_keeps_every_text_and_line() -> None
 
 
 UNREADABLE = {
-    'either in parameters': (
-        ('(?s - switch ?l - lamp)\n', '(?s - (either switch lamp) ?l - lamp)\n'),
-        'domain, line 7: "(either switch lamp)" is a type that unified-planning can read in '
-        ':predicates only; declare a common supertype instead',
-    ),
     'either of an unknown type': (
         ('(lit ?l - lamp)', '(lit ?l - (either lamp\n bulb))'),
         'domain, line 5: the type bulb is not declared',
@@ -226,7 +221,7 @@ def test_what_unified_planning_cannot_read_is_named_with_its_line(
 
 
 def test_objects_of_one_of_several_types_are_refused_with_their_line() -> None:
-    with pytest.raises(InputError, match=r'^problem, line 4: "\(either lamp switch\)" is a type'):
+    with pytest.raises(InputError, match=r'^problem, line 4: no one type stands for "\(either l'):
         read_task(DOMAIN, PROBLEM.replace('- lamp', '- (either lamp switch)'))
 
 

@@ -49,7 +49,8 @@ def test_random_beliefs_cost_what_fast_downward_says(
 
     expected = plain_costs(space, beliefs, 'astar(blind())')
     assert [cost_of(result) for result in report.results] == expected
-    assert report.planner_calls <= len(beliefs)
+    # A search a belief, and a second one where the first was slow.
+    assert report.planner_calls <= 2 * len(beliefs)
 
     # The same once the world has changed a little, so that the grounding may be kept.
     random = Random(seed)
