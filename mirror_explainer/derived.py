@@ -26,9 +26,6 @@ _REQUIREMENT = re.compile(r':(?:derived-predicates|domain-axioms)(?![\w-])', re.
 # Working out what holds in one state may take a second or two, and no more.
 _MOST_STEPS = 1_000_000
 
-# Conditions may be nested as deep as this; nobody writes them half as deep.
-_DEEPEST = 50
-
 
 def without_axioms(domain: str) -> str:
     """Return the domain with blanks for its axioms: its lines stay where they are."""
@@ -171,7 +168,6 @@ def read_axioms(
         if part.keyword == _DERIVED:
             text = without_comments(domain[part.start : part.end]).lower()
             try:
-                _require_shallow(text, domain_source)
                 found.append(_axiom(model, nested_words(text, domain_source), domain_source))
             except InputError as error:
                 line = line_at(domain, part.start)
@@ -190,13 +186,6 @@ def read_axioms(
             f'themselves: {names}',
         ) from error
     return axioms
-
-
-def _require_shallow(text: str, source: str) -> None:
-    """Raise InputError for what is nested so deep that Python could not follow it."""
-    steps = ((character == '(') - (character == ')') for character in text)
-    if max(itertools.accumulate(steps), default=0) > _DEEPEST:
-        raise InputError(source, 'the text is nested too deeply')
 
 
 def _axiom(model: up.Problem, words: Any, source: str) -> Axiom:
