@@ -12,6 +12,7 @@ from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.selection import curve, informative_order
 
 DONT_KNOW = "I don't know"
+PEOPLE = 'people'  # the observer of an answer that was given by a person
 GROWTHS = ('order', 'sets')
 
 
@@ -59,6 +60,11 @@ def assignment(participants: int, number: int, seed: int) -> tuple[tuple[str, ..
             for turn in turns
         ]
     return tuple(rows[:participants])
+
+
+def presentation_order(number: int, participant: int, seed: int) -> tuple[int, ...]:
+    """Return the order in which one participant, counted from 0, meets the scenarios."""
+    return tuple(Random(f'order {seed} {participant}').sample(range(number), number))
 
 
 def verbalizations(

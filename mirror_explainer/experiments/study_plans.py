@@ -1,6 +1,7 @@
 """What planning finds for a scenario: the robot's plan, and the mirror models built on it."""
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, product
@@ -15,6 +16,7 @@ from mirror_explainer.sentences import Sentences, action_parameters
 from mirror_explainer.user_model import UserModel
 
 CHARGED = '(charged)'
+LEAST_SCENARIOS = 3  # so that everybody hears every strategy
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,31 @@ class PlannedScenario:
         if charged:  # a plan that recharges can be carried out with a charged battery, too
             found.append(self.plans[goal, False])
         return sorted((replace(plan, optimal=False) for plan in found), key=lambda p: p.cost)
+
+
+def plan_scenarios(
+    drawn: Sequence[Scenario],
+) -> tuple[list[PlannedScenario], dict[str, str]]:
+    """Return the scenarios with their plans, and of those left out the reason by name.
+
+    Says on stderr which are left out. Raises PlanningError where too few are left.
+    """
+    from tqdm import tqdm
+
+    planned, left_out = [], {}
+    with Planner() as planner:
+        for scenario in tqdm(drawn, unit='scenario', disable=None):
+            try:
+                planned.append(plan_scenario(scenario, planner))
+            except PlanningError as error:
+                left_out[scenario.name] = str(error)
+                print(f'user_study: left out: {scenario.name}: {error}', file=sys.stderr)
+    if len(planned) < LEAST_SCENARIOS:
+        raise PlanningError(
+            f'only {len(planned)} scenarios could be planned for',
+            cure='Ask for fewer, or give planning more time.',
+        )
+    return planned, left_out
 
 
 def plan_scenario(scenario: Scenario, planner: Planner, deadline: float = 60.0) -> PlannedScenario:

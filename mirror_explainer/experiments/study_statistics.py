@@ -5,7 +5,7 @@ averaged before anything is compared or resampled.
 """
 
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, fields
 
 import numpy as np
 import pandas as pd
@@ -24,7 +24,8 @@ RESAMPLES = 9999
 
 def answer_table(answers: Iterable[Answer]) -> pd.DataFrame:
     """Return one row an answer, with whether it names a goal and whether that is the robot's."""
-    table = pd.DataFrame([asdict(answer) for answer in answers])
+    columns = [field.name for field in fields(Answer)]
+    table = pd.DataFrame([asdict(answer) for answer in answers], columns=columns)
     table['predicted'] = table['answer'] != DONT_KNOW
     table['correct'] = table['answer'] == table['goal']
     return table

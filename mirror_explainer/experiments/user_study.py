@@ -1,4 +1,4 @@
-"""The paper's user study: `python3 -m mirror_explainer.experiments.user_study simulate --help`."""
+"""The paper's user study: `python3 -m mirror_explainer.experiments.user_study --help`."""
 
 import argparse
 import sys
@@ -8,14 +8,16 @@ from pathlib import Path
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.experiments.observers import KINDS
 from mirror_explainer.experiments.participants import Noise, simulate
-from mirror_explainer.experiments.scenarios import Scenario, scenarios
+from mirror_explainer.experiments.scenarios import scenarios
 from mirror_explainer.experiments.study_design import GROWTHS, Answer, assignment
-from mirror_explainer.experiments.study_plans import PlannedScenario, plan_scenario
+from mirror_explainer.experiments.study_plans import (
+    LEAST_SCENARIOS,
+    PlannedScenario,
+    plan_scenarios,
+)
 from mirror_explainer.experiments.warehouse_files import read_floor
 from mirror_explainer.extras import MissingExtras, require_extras
-from mirror_explainer.planning import Planner
-
-_LEAST_SCENARIOS = 3  # so that everybody hears every strategy
+from mirror_explainer.web.address import add_address_arguments, address
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -23,13 +25,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         require_extras('experiments')
-        _simulate(options)
+        options.run(options)
     except (InputError, PlanningError, MissingExtras, OSError) as error:
         print(f'user_study: {told(error)}', file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return 130
-    print(f'see {options.output / "report.md"}')
     return 0
 
 
@@ -40,31 +41,35 @@ def _simulate(options: argparse.Namespace) -> None:
     from mirror_explainer.experiments.study_statistics import answer_table
 
     options.output.mkdir(parents=True, exist_ok=True)
-    planned, left_out = _plan(scenarios(read_floor(), options.scenarios, options.seed))
-    for name, reason in left_out.items():
-        print(f'user_study: left out: {name}: {reason}', file=sys.stderr)
-    if len(planned) < _LEAST_SCENARIOS:
-        raise PlanningError(
-            f'only {len(planned)} scenarios could be planned for',
-            cure='Ask for fewer, or give planning more time.',
-        )
+    planned, left_out = plan_scenarios(scenarios(read_floor(), options.scenarios, options.seed))
     answers = answer_table(_answers(planned, options))
     command = _command(options)
     write_report(results(answers, options.seed), planned, left_out, options.output, command)
+    print(f'see {options.output / "report.md"}')
 
 
-def _plan(drawn: Sequence[Scenario]) -> tuple[list[PlannedScenario], dict[str, str]]:
-    """Return the scenarios with their plans, and of those left out the reason by name."""
-    from tqdm import tqdm
+def _serve(options: argparse.Namespace) -> None:
+    """Serve the study to people."""
+    require_extras('web')
+    from mirror_explainer.experiments.web_study.serve import serve_study
 
-    planned, left_out = [], {}
-    with Planner() as planner:
-        for scenario in tqdm(drawn, unit='scenario', disable=None):
-            try:
-                planned.append(plan_scenario(scenario, planner))
-            except PlanningError as error:
-                left_out[scenario.name] = str(error)
-    return planned, left_out
+    serve_study(options.database, options.scenarios, options.seed, address(options))
+
+
+def _export(options: argparse.Namespace) -> None:
+    """Write what people answered."""
+    require_extras('web')
+    from mirror_explainer.experiments.web_study.report import export
+
+    export(options.database, options.output)
+
+
+def _analyse(options: argparse.Namespace) -> None:
+    """Write the report on people and simulated participants."""
+    require_extras('web')
+    from mirror_explainer.experiments.web_study.report import analyse
+
+    analyse(options.database, options.output)
 
 
 def _answers(planned: Sequence[PlannedScenario], options: argparse.Namespace) -> Iterator[Answer]:
@@ -108,13 +113,47 @@ def _parser() -> argparse.ArgumentParser:
         help='with simulated participants',
         description='Run the study on simulated participants.',
     )
+    _simulation_arguments(simulation)
+    simulation.set_defaults(run=_simulate)
+    serving = commands.add_parser(
+        'serve',
+        help='with people, in their browsers',
+        description='Serve the study to people. What they answer is kept at once; started again '
+        'with the same database, the study goes on.',
+    )
+    _serve_arguments(serving)
+    serving.set_defaults(run=_serve)
+    for name, run, what, description in (
+        (
+            'export',
+            _export,
+            'what people answered, as CSV',
+            'Write answers.csv, of those who finished, with the columns of the simulated '
+            "study's, and response_times.csv, of everybody.",
+        ),
+        (
+            'analyse',
+            _analyse,
+            'figure, tests and report, people beside simulated participants',
+            'Write what "simulate" writes, on the people who finished and on simulated '
+            'participants of the same scenarios.',
+        ),
+    ):
+        command = commands.add_parser(name, help=what, description=description)
+        _database_argument(command)
+        _output_argument(command, 'user_study_people')
+        command.set_defaults(run=run)
+    return parser
+
+
+def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
     study = simulation.add_argument_group('study')
     study.add_argument(
         '--participants', type=_from(2), default=10, metavar='N',
         help='of each kind of observer (default 10)',
     )  # fmt: skip
     study.add_argument(
-        '--scenarios', type=_from(_LEAST_SCENARIOS), default=12, metavar='N', help='default 12'
+        '--scenarios', type=_from(LEAST_SCENARIOS), default=12, metavar='N', help='default 12'
     )
     study.add_argument(
         '--seed', type=_from(0), default=0, metavar='N', help='of all that is drawn (default 0)'
@@ -141,11 +180,30 @@ def _parser() -> argparse.ArgumentParser:
         '--confidence', type=_share, default=Noise.confidence, metavar='P',
         help='with less, the answer is "I don\'t know" (default %(default)s)',
     )  # fmt: skip
-    simulation.add_argument(
-        '--output', type=Path, default=Path('user_study_results'), metavar='DIR',
-        help='default: user_study_results',
+    _output_argument(simulation, 'user_study_results')
+
+
+def _serve_arguments(serving: argparse.ArgumentParser) -> None:
+    _database_argument(serving)
+    study = serving.add_argument_group('study', 'fixed when the database is made')
+    study.add_argument('--scenarios', type=_from(LEAST_SCENARIOS), metavar='N', help='default 12')
+    study.add_argument(
+        '--seed', type=_from(0), metavar='N', help='of all that is drawn (default 0)'
+    )
+    add_address_arguments(serving, port=8000)
+
+
+def _database_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--database', type=Path, default=Path('user_study.sqlite3'), metavar='FILE',
+        help='where the answers are kept (default: user_study.sqlite3)',
     )  # fmt: skip
-    return parser
+
+
+def _output_argument(parser: argparse.ArgumentParser, folder: str) -> None:
+    parser.add_argument(
+        '--output', type=Path, default=Path(folder), metavar='DIR', help=f'default: {folder}'
+    )
 
 
 def _from(least: int) -> Callable[[str], int]:

@@ -1,0 +1,227 @@
+"""Where everything is drawn of a scenario, and the same in words: from its PDDL, as it is now.
+
+The warehouse's places have their place on the picture; those of another map lie on a ring.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from mirror_explainer.pddl import Task
+
+WIDTH, HEIGHT = 720, 530
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of the picture, in its units, from the top left."""
+
+    x: float
+    y: float
+
+
+@dataclass(frozen=True)
+class Labelled(Point):
+    """Something that is drawn at a point, with what it is called."""
+
+    label: str
+
+
+@dataclass(frozen=True)
+class Door(Labelled):
+    """A door; its label stands beside it, towards the middle."""
+
+    @property
+    def label_x(self) -> float:
+        """Where the label begins or ends."""
+        return self.x + (22 if self.at_left else -22)
+
+    @property
+    def at_left(self) -> bool:
+        """Whether the door is in the left half."""
+        return self.x < WIDTH / 2
+
+
+@dataclass(frozen=True)
+class Place(Labelled):
+    """A place: the middle of its box, and the size of that."""
+
+    width: float
+    height: float
+    room: bool
+
+    @property
+    def left(self) -> float:
+        """Where the box begins."""
+        return self.x - self.width / 2
+
+    @property
+    def top(self) -> float:
+        """Where the box begins."""
+        return self.y - self.height / 2
+
+    @property
+    def label_y(self) -> float:
+        """The base line of the label: above what lies in a room, below in a corridor."""
+        return self.top + 24 if self.room else self.top + self.height - 10
+
+
+@dataclass(frozen=True)
+class Item(Labelled):
+    """An object: shape and colour are the words of its name, "" where it has no such."""
+
+    shape: str
+    colour: str
+
+    @property
+    def lines(self) -> list[str]:
+        """The label, a word a line."""
+        return self.label.split()
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way between two points."""
+
+    start: Point
+    end: Point
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """All that is drawn, and `words`: the same as sentences."""
+
+    places: tuple[Place, ...]
+    ways: tuple[Way, ...]
+    doors: tuple[Door, ...]
+    items: tuple[Item, ...]
+    station: Labelled | None
+    robot: Point | None
+    charged: bool
+    words: tuple[str, ...]
+    width: int = WIDTH
+    height: int = HEIGHT
+
+    @property
+    def battery(self) -> str:
+        """The one thing that has no shape: how the battery is."""
+        return _BATTERY[self.charged]
+
+
+_BATTERY = {
+    True: "The robot's battery is charged.",
+    False: "The robot's battery is empty: it must recharge before it can leave.",
+}
+_CORRIDOR = (150.0, 84.0)
+_ROOM = (230.0, 160.0)
+_KNOWN: Mapping[str, Place] = {
+    'left': Place(110, 100, 'left corridor', *_CORRIDOR, False),
+    'center': Place(330, 100, 'central corridor', *_CORRIDOR, False),
+    'right': Place(570, 100, 'right corridor', *_CORRIDOR, False),
+    'doors': Place(255, 250, "warehouses' doors", 180, 56, False),
+    'red_room': Place(130, 430, 'red warehouse', *_ROOM, True),
+    'blue_room': Place(380, 430, 'blue warehouse', *_ROOM, True),
+}
+_DOORS: Mapping[str, Point] = {
+    'top_left_door': Point(40, 26),
+    'top_right_door': Point(680, 26),
+    'bottom_door': Point(640, 500),
+}
+_SHAPES = ('circle', 'square', 'triangle')
+_COLOURS = ('red', 'blue')
+
+
+def drawing(task: Task) -> Drawing:
+    """Return the picture of the task's initial state, without its goal."""
+    facts: dict[str, list[list[str]]] = {}
+    for fact in sorted(task.initial_facts):
+        predicate, *arguments = fact.strip('()').split()
+        facts.setdefault(predicate, []).append(arguments)
+    lying = {item: room for item, room in facts.get('item-at', [])}
+    names = [item.name for item in task.model.objects(task.model.user_type('place'))]
+    places = _places(names, set(lying.values()))
+    doors = {door: _door(door, places[place]) for door, place in facts.get('door-at', [])}
+    ways = [
+        *(Way(places[a], places[b]) for a, b in _pairs(facts.get('connected', []))),
+        *(Way(places[place], doors[door]) for door, place in facts.get('door-at', [])),
+    ]
+    station = next((places[place] for [place] in facts.get('station-at', [])), None)
+    robot = next((places[place] for [place] in facts.get('robot-at', [])), None)
+    return Drawing(
+        places=tuple(places.values()),
+        ways=tuple(ways),
+        doors=tuple(doors.values()),
+        items=tuple(_items(places, lying)),
+        station=Labelled(station.x + 42, station.y - 12, 'recharge station') if station else None,
+        robot=Point(robot.x - 38, robot.y - 6) if robot else None,
+        charged='charged' in facts,
+        words=tuple(_words(places, facts)),
+    )
+
+
+def _places(names: Sequence[str], rooms: set[str]) -> dict[str, Place]:
+    """Return where each place lies: on the warehouse's map, or else all on a ring."""
+    if set(names) <= set(_KNOWN):
+        return {name: _KNOWN[name] for name in names}
+    found = {}
+    for index, name in enumerate(names):
+        turn = 2 * math.pi * index / len(names)
+        x = WIDTH / 2 + (WIDTH / 2 - 140) * math.sin(turn)
+        y = HEIGHT / 2 - (HEIGHT / 2 - 80) * math.cos(turn)
+        found[name] = Place(
+            x, y, _called(name), *(_ROOM if name in rooms else _CORRIDOR), name in rooms
+        )
+    return found
+
+
+def _door(name: str, place: Place) -> Door:
+    """Return where a door is: in the corner that its name says, or else above its place."""
+    point = _DOORS.get(name, Point(place.x, max(20, place.y - place.height)))
+    return Door(point.x, point.y, _called(name))
+
+
+def _items(places: Mapping[str, Place], lying: Mapping[str, str]) -> Iterator[Item]:
+    """Yield the items of each room, side by side."""
+    for room in dict.fromkeys(lying.values()):
+        inside = [item for item, where in lying.items() if where == room]
+        place = places[room]
+        for index, item in enumerate(inside):
+            x = place.left + place.width * (index + 0.5) / len(inside)
+            words = item.split('_')
+            yield Item(
+                x,
+                place.y - 4,
+                _called(item),
+                shape=next((shape for shape in _SHAPES if shape in words), ''),
+                colour=next((colour for colour in _COLOURS if colour in words), ''),
+            )
+
+
+def _words(places: Mapping[str, Place], facts: Mapping[str, list[list[str]]]) -> Iterator[str]:
+    """Yield what the picture shows, a sentence each."""
+    for [place] in facts.get('robot-at', []):
+        yield f'The robot is in the {places[place].label}.'
+    yield _BATTERY['charged' in facts]
+    for [place] in facts.get('station-at', []):
+        yield f'The recharge station is in the {places[place].label}.'
+    lying = facts.get('item-at', [])
+    for room in dict.fromkeys(room for _, room in lying):
+        inside = [f'a {_called(item)}' for item, where in lying if where == room]
+        yield f'In the {places[room].label}: {_listed(inside)}.'
+    for door, place in facts.get('door-at', []):
+        yield f'The {_called(door)} is reached from the {places[place].label}.'
+    for a, b in _pairs(facts.get('connected', [])):
+        yield f'A way joins the {places[a].label} and the {places[b].label}.'
+
+
+def _pairs(connected: Sequence[Sequence[str]]) -> list[tuple[str, str]]:
+    """Return each two places that are joined, once."""
+    return list(dict.fromkeys((min(pair), max(pair)) for pair in connected))
+
+
+def _called(name: str) -> str:
+    return name.replace('_', ' ')
+
+
+def _listed(words: Sequence[str]) -> str:
+    return ' and '.join([', '.join(words[:-1]), words[-1]] if len(words) > 1 else words)
