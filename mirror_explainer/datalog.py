@@ -71,15 +71,15 @@ class Program:
             layers[levels[rule.head.predicate]].append(rule)
         self._layers = [_Layer(layers[level]) for level in sorted(layers)]
 
-    def consequences(self, facts: Iterable[Fact], most_steps: int) -> set[Fact]:
-        """Return the facts, and all that follows from them.
+    def consequences(self, facts: Iterable[Fact], most_steps: int) -> tuple[set[Fact], int]:
+        """Return the facts and all that follows from them, and how many steps are left.
 
-        Raises ExplosionError after so many steps: facts looked at in joins.
+        A step looks at a fact. Raises ExplosionError when none is left.
         """
         known = _Facts(facts, most_steps)
         for layer in self._layers:
             layer.apply(known)
-        return known.all
+        return known.all, known.left
 
 
 def _levels(rules: Sequence[Rule]) -> dict[str, int]:
@@ -208,7 +208,7 @@ class _Facts:
 
     def __init__(self, facts: Iterable[Fact], most_steps: int) -> None:
         self.all: set[Fact] = set()
-        self._left = most_steps
+        self.left = most_steps
         self._by_predicate: dict[str, list[Fact]] = defaultdict(list)
         self._indexes: dict[str, dict[tuple[int, ...], dict[tuple[str, ...], list[Fact]]]] = (
             defaultdict(dict)
@@ -234,8 +234,8 @@ class _Facts:
                 places.append(place)
                 values.append(value)
         found = self._index(atom.predicate, tuple(places)).get(tuple(values), ())
-        self._left -= 1 + len(found)
-        if self._left < 0:
+        self.left -= 1 + len(found)
+        if self.left < 0:
             raise ExplosionError
         return found
 

@@ -7,7 +7,7 @@ rules of Datalog, by which every state gets its derived facts.
 
 import itertools
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,7 +23,7 @@ from mirror_explainer.pddl_sections import blanked, line_at, section, sections, 
 _DERIVED = ':derived'
 _REQUIREMENT = re.compile(r':(?:derived-predicates|domain-axioms)(?![\w-])', re.IGNORECASE)
 
-# Working out what holds in one state may take a second or two, and no more.
+# Working out what holds in all states that a plan goes through may take some seconds, no more.
 _MOST_STEPS = 1_000_000
 
 
@@ -85,10 +85,13 @@ class Axioms:
         rules = AxiomRules(axiom for axiom in self.axioms if axiom.fluent in self._asked)
         return Program(rules.rules), rules.facts(self.model)
 
-    def holding(self, values: Mapping[up.FNode, up.FNode]) -> Iterator[up.FNode]:
-        """Yield the derived atoms that hold, as far as actions and goal ask, in a state.
+    def holding(
+        self, values: Mapping[up.FNode, up.FNode], most_steps: int = _MOST_STEPS
+    ) -> tuple[frozenset[up.FNode], int]:
+        """Return the derived atoms that hold in a state, and how many steps are left.
 
-        Raises InputError where that takes too long.
+        They are those that actions and goal ask for. Raises InputError where it takes
+        too many steps.
         """
         program, fixed = self._program
         names = {fluent.name: fluent for fluent in self._asked & self.fluents}
@@ -98,7 +101,7 @@ class Axioms:
             if value.is_true() and atom.fluent() in self._asked
         )
         try:
-            facts = program.consequences(itertools.chain(fixed, given), _MOST_STEPS)
+            facts, left = program.consequences(itertools.chain(fixed, given), most_steps)
         except ExplosionError as error:
             raise InputError(
                 self.source,
@@ -107,13 +110,17 @@ class Axioms:
                 cure='Give them fewer arguments, or arguments of narrower types.',
             ) from error
         manager = self.model.environment.expression_manager
-        for name, *objects in facts:
-            if name in names:
-                yield manager.FluentExp(names[name], [self.model.object(o) for o in objects])
+        atoms = (
+            manager.FluentExp(names[name], [self.model.object(o) for o in objects])
+            for name, *objects in facts
+            if name in names
+        )
+        return frozenset(atoms), left
 
     def first_state(self) -> '_State':
         """Return the initial state, for unified-planning's simulator of `open_model`."""
-        return _State(dict(self.model.explicit_initial_values), self)
+        values = dict(self.model.explicit_initial_values)
+        return _State(values, self, *self.holding(values))
 
     def changes(self, atoms: Iterable[up.FNode]) -> bool:
         """Say whether a change of these atoms may change what is derived."""
@@ -137,23 +144,30 @@ class Axioms:
 
 
 class _State(up.UPState):
-    """A state whose derived atoms have the values that the axioms give them."""
+    """A state whose derived atoms have the values that the axioms give them.
+
+    `left` is how many steps may be spent on the states after it.
+    """
 
     def __init__(
         self,
         values: dict[up.FNode, up.FNode],
         axioms: Axioms,
-        derived: Collection[up.FNode] | None = None,
+        derived: frozenset[up.FNode],
+        left: int,
     ) -> None:
         self._given = values
         self._axioms = axioms
-        self._derived = frozenset(axioms.holding(values)) if derived is None else derived
+        self._derived = derived
+        self._left = left
         true = axioms.model.environment.expression_manager.TRUE()
-        super().__init__(values | dict.fromkeys(self._derived, true), axioms.model)
+        super().__init__(values | dict.fromkeys(derived, true), axioms.model)
 
     def make_child(self, updated_values: dict[up.FNode, up.FNode]) -> '_State':
-        derived = None if self._axioms.changes(updated_values) else self._derived
-        return _State(self._given | updated_values, self._axioms, derived)
+        values, derived, left = self._given | updated_values, self._derived, self._left
+        if self._axioms.changes(updated_values):
+            derived, left = self._axioms.holding(values, left)
+        return _State(values, self._axioms, derived, left)
 
 
 def read_axioms(
