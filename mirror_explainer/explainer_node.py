@@ -184,15 +184,12 @@ class ExplainerNode(Node):
         started = time.perf_counter()
         try:
             state = self._state_for_a_call()
-            while state.preparation is not None and not response.success:
+            if state.preparation is not None:
                 response.message = self._answers.give(
                     state.preparation, self._question(), self._value('remember')
                 )
-                # Newer inputs may have come while the answer was made.
-                newest = self._state_for_a_call()
-                response.success = newest.preparation is state.preparation
-                state = newest
-            if not response.success:
+                response.success = True
+            else:
                 response.message = printable(state.message)
         except Exception as error:  # an exception that leaves a callback ends the node
             _log.exception('verbalize_plan failed')

@@ -27,6 +27,9 @@ from mirror_explainer.user_model import read_user_model
 # A robot publishes its problem and its plan one after the other: judge them together.
 SETTLING_SECONDS = 0.1
 LONGEST_SETTLING_SECONDS = 0.5
+# Inputs that always change faster than they can be worked on would stop all work for ever: once
+# work was cut off, the next gets so long to finish in spite of newer inputs, and then twice that.
+SECONDS_TO_FINISH = 1.0
 # A file may be written piece by piece: read it when it has been left alone for so long.
 FILE_SETTLING_SECONDS = 0.5
 
@@ -126,7 +129,10 @@ class Updates:
         self._changed = threading.Condition()
         self._state = State(Phase.WAITING, 'waiting for inputs')
         self._newest: Inputs | None = None
+        self._submits = 0
+        self._finished = (0, self._state)
         self._pending = False
+        self._cut_off = 0
         self._settled_at = 0.0
         self._files = TextFiles()
         self._looking = threading.Lock()
@@ -163,19 +169,34 @@ class Updates:
 
     def _begin(self, inputs: Inputs, settling: float) -> None:
         self._newest = inputs
+        self._submits += 1
+        if not self._cut_off:
+            self._cancelled.set()
+        elif not self._pending:
+            seconds = SECONDS_TO_FINISH * 2 ** (self._cut_off - 1)
+            stop = threading.Timer(seconds, self._cancelled.set)
+            stop.daemon = True
+            stop.start()
         self._pending = True
         self._settled_at = max(self._settled_at, time.monotonic() + settling)
-        self._cancelled.set()
         self._state = State(Phase.WORKING, 'reading the newest inputs', inputs=inputs)
         self._changed.notify_all()
 
     def wait(self, timeout: float) -> State:
-        """Return the state once no work is under way, or after `timeout` seconds."""
+        """Return what came of the inputs that are the newest now, or of newer ones.
+
+        After `timeout` seconds return the current state.
+        """
         self.look_at_files()
         with self._changed:
-            self._changed.wait_for(
-                lambda: self._closed or self._state.phase is not Phase.WORKING, timeout
-            )
+            newest = self._submits
+            if (
+                self._changed.wait_for(
+                    lambda: self._closed or self._finished[0] >= newest, timeout
+                )
+                and not self._closed
+            ):
+                return self._finished[1]
             return self._state
 
     def close(self, timeout: float = 1.0) -> None:
@@ -200,24 +221,44 @@ class Updates:
                 self._settle()
                 self._pending = False
                 self._cancelled = cancelled = threading.Event()
-                inputs = self._newest
+                inputs, number = self._newest, self._submits
                 self._files = TextFiles()
             assert inputs is not None  # something is pending only after a submit
             try:
                 state = self._state_for(inputs, cancelled)
             except Cancelled:
+                self._cut_off += 1
                 continue
             self.look_at_files()  # nothing that was half-written when read is answered from
-            with self._changed:
-                if self._pending or self._closed:
-                    continue
-                self._state = state = replace(state, inputs=self._as_read(inputs))
-                self._changed.notify_all()
+            state = replace(state, inputs=self._as_read(inputs))
+            if not self._finish(state, inputs, number):
+                continue
             try:
                 self._on_state(state)
             except Exception as error:  # whatever listens must not end this thread
-                with self._changed:
-                    self._state = replace(_internal_error(error), inputs=inputs)
+                self._finish(replace(_internal_error(error), inputs=inputs), inputs, number)
+
+    def _finish(self, state: State, inputs: Inputs, number: int) -> bool:
+        """Make it known what came of these inputs, the submission of this number; say if it was.
+
+        What newer inputs have overtaken is of no use any more. But when that happened to the
+        work before it too, an answer goes to the calls that came before the newer inputs.
+        """
+        with self._changed:
+            if self._closed or self._newest is None:
+                return False
+            if self._pending:
+                answer = state.preparation is not None  # an error may be of inputs half changed
+                same_files = self._newest.files_revision == inputs.files_revision
+                if not (answer and same_files and self._cut_off):
+                    self._cut_off += answer
+                    return False
+            else:
+                self._state = state
+            self._cut_off = 0
+            self._finished = (number, state)
+            self._changed.notify_all()
+            return True
 
     def _settle(self) -> None:
         """Wait until inputs stop coming for a moment, but not for ever."""

@@ -6,6 +6,7 @@ was lost, wrong or stale, or if a target of time or processor is missed.
 
 import argparse
 import contextlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -58,11 +59,11 @@ class Scene:
             ),
             wanted,
         )
-        return fresh.ended - self.robot.published[-1]
+        return fresh.ended - self.robot.times.published[-1]
 
     def preparations(self) -> int:
-        """Return how many times the node has made itself ready."""
-        return self.node.log.count('ready: a plan')
+        """Return how many updates were prepared: the node warns of the goal of each."""
+        return len(set(re.findall(r'\(holding (parcel_\d+)\).* is not among', self.node.log)))
 
     def check(self, what: str, verdict: Verdict) -> None:
         """Note the calls that got what no call may get."""
@@ -116,7 +117,9 @@ def warm_calls(scene: Scene, count: int, rounds: int) -> Iterator[Row]:
                 calls = scene.callers.call(service, clients, -(-count // clients))
                 times += [answer.seconds for answer in calls.answers]
                 if service == SERVICE:
-                    scene.check(f'{clients} warm clients', judge(calls, scene.robot, scene.right))
+                    scene.check(
+                        f'{clients} warm clients', judge(calls, scene.robot.times, scene.right)
+                    )
                 elif calls.lost:
                     scene.faults.append(f'{calls.lost} calls of the empty service were lost')
         empty, warm = (np.percentile(times, (50, 99)) for times in seconds.values())
@@ -141,7 +144,7 @@ def streams(scene: Scene, rates: Sequence[float], seconds: float) -> Iterator[Ro
         real_rate = scene.robot.send_many(int(seconds * rate), rate)
         calls = scene.callers.finish()
         scene.until_fresh()
-        verdict = judge(calls, scene.robot, scene.right)
+        verdict = judge(calls, scene.robot.times, scene.right)
         scene.check(f'{rate} Hz', verdict)
         yield {
             'updates a second': round(real_rate, 1),

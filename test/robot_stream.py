@@ -3,7 +3,7 @@
 import bisect
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from crowd import Answer, Calls
 from parcels import RightAnswers, number_in, plan, problem
@@ -14,34 +14,41 @@ from std_msgs.msg import String
 NOT_READY = 'the explanation is not ready yet'
 
 
-class RobotStream:
-    """Publishes numbered updates: a new problem, and its plan.
+@dataclass(frozen=True)
+class Times:
+    """When each update was on its way, by number from 0, in seconds of time.monotonic().
 
-    `published` has the time before each was published, `heard` the time when
-    the node's middleware had acknowledged it: time.monotonic(), by number from 0.
+    `published` has the time before each was published, `heard` the time after which
+    the node's middleware was known to have it.
     """
+
+    published: list[float] = field(default_factory=list)
+    heard: list[float] = field(default_factory=list)
+
+
+class RobotStream:
+    """Publishes numbered updates: a new problem, and its plan."""
 
     def __init__(self, peer: Peer) -> None:
         self._problem = peer.node.create_publisher(String, 'problem', LATCHED)
         self._plan = peer.node.create_publisher(String, 'plan', LATCHED)
-        self.published: list[float] = []
-        self.heard: list[float] = []
+        self.times = Times()
 
     @property
     def newest(self) -> int:
         """The number of the newest update."""
-        return len(self.published) - 1
+        return len(self.times.published) - 1
 
     def send(self) -> None:
         """Publish the next update, and wait until the node's middleware has it."""
-        number = len(self.published)
+        number = len(self.times.published)
         texts = problem(number), plan(number)
-        self.published.append(time.monotonic())
+        self.times.published.append(time.monotonic())
         for publisher, text in zip((self._problem, self._plan), texts, strict=True):
             publisher.publish(String(data=text))
         for publisher in (self._problem, self._plan):
             assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE)), 'the node is deaf'
-        self.heard.append(time.monotonic())
+        self.times.heard.append(time.monotonic())
 
     def send_many(self, count: int, rate: float) -> float:
         """Publish so many updates, `rate` a second; return the rate that came out."""
@@ -70,16 +77,21 @@ class Verdict:
     examples: tuple[str, ...] = ()
 
     @property
+    def calls(self) -> int:
+        """How many calls there were."""
+        return self.right + self.not_ready + self.faults
+
+    @property
     def faults(self) -> int:
         """How many calls got what no call may get."""
         return self.stale + self.wrong + self.lost
 
 
-def judge(calls: Calls, robot: RobotStream, right: RightAnswers) -> Verdict:
+def judge(calls: Calls, times: Times, right: RightAnswers) -> Verdict:
     """Check each answer against the updates that it could have been made from."""
     found: dict[str, list[Answer]] = {'right': [], 'not_ready': [], 'stale': [], 'wrong': []}
     for answer in calls.answers:
-        found[_kind(answer, robot, right)].append(answer)
+        found[_kind(answer, times, right)].append(answer)
     return Verdict(
         **{kind: len(answers) for kind, answers in found.items()},
         lost=calls.lost,
@@ -87,12 +99,12 @@ def judge(calls: Calls, robot: RobotStream, right: RightAnswers) -> Verdict:
     )
 
 
-def _kind(answer: Answer, robot: RobotStream, right: RightAnswers) -> str:
+def _kind(answer: Answer, times: Times, right: RightAnswers) -> str:
     if not answer.success:
         return 'not_ready' if answer.message.startswith(NOT_READY) else 'wrong'
     number = number_in(answer.message)
-    surely_heard = bisect.bisect_right(robot.heard, answer.began) - 1
-    newest = bisect.bisect_right(robot.published, answer.ended) - 1
+    surely_heard = bisect.bisect_right(times.heard, answer.began) - 1
+    newest = bisect.bisect_right(times.published, answer.ended) - 1
     if number is None or number > newest or answer.message != right.to(number):
         return 'wrong'
     return 'right' if number >= surely_heard else 'stale'
