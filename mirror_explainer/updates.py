@@ -332,6 +332,7 @@ class Updates:
     def _read(self, domain: Text, problem: Text, limits: InputLimits) -> Task:
         """Return the task, read again only when its texts changed."""
         if self._task is None or self._task[:2] != (domain, problem):
+            self._task = None
             forget_expressions()
             task = read_task(domain.text, problem.text, domain.source, problem.source, limits)
             self._task = (domain, problem, task)
