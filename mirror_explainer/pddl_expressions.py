@@ -14,6 +14,7 @@ import unified_planning.model as up
 from unified_planning.exceptions import UPException
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.pddl_size import require_shallow
 
 # "(a (b c))" as nested lists of words. Without quoted strings, which PDDL does not have, it is
 # ten times faster.
@@ -113,6 +114,7 @@ class Expressions:
 
 def nested_words(text: str, source: str) -> Any:
     """Return "(a (b c))" as nested lists of words."""
+    require_shallow(text, source)
     try:
         return NESTED.parse_string(text, parse_all=True).as_list()[0]
     except pyparsing.ParseBaseException as error:

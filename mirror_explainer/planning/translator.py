@@ -177,7 +177,6 @@ def _grounding(
         mutexes=mutexes,
         initial=initial_atoms(lists),
         uncertain=_uncertain(lists),
-        objects=lists.objects,
     )
 
 
@@ -192,7 +191,6 @@ def _without_any_plan(lists: Lists) -> Grounding:
         mutexes=(),
         initial=initial_atoms(lists),
         uncertain=_uncertain(lists),
-        objects=lists.objects,
     )
 
 
