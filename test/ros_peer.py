@@ -79,8 +79,13 @@ class Peer:
         name = f'{self.explainer.lstrip("/")}: explanation'
         self.diagnostics += [status for status in array.status if status.name == name]
 
-    def publish(self, topic: str, text: str, *, latched: bool = True, heard: bool = True) -> None:
-        """Publish; with `heard` wait for the subscriber first, as a volatile publisher must."""
+    def publish(
+        self, topic: str, text: str | bytes, *, latched: bool = True, heard: bool = True
+    ) -> None:
+        """Publish a text, or a message's bytes as they are.
+
+        With `heard` wait for the subscriber first, as a volatile publisher must.
+        """
         key = (topic, latched)
         if key not in self._publishers:
             qos = LATCHED if latched else VOLATILE
@@ -88,7 +93,7 @@ class Peer:
         publisher = self._publishers[key]
         if heard:
             eventually(publisher.get_subscription_count, f'a subscriber of {topic}')
-        publisher.publish(String(data=text))
+        publisher.publish(text if isinstance(text, bytes) else String(data=text))
 
     def publish_warehouse(self, **how: bool) -> None:
         self.publish('domain', DOMAIN, **how)
