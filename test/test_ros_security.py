@@ -146,3 +146,32 @@ def test_a_terminal_and_a_format_find_nothing_to_obey_in_a_logged_name(peer, tmp
         eventually(lambda: reason in node.log, 'the reason in the log')
         log = node.log
     assert not {'\x1b', '\x07', '\x9b'} & set(log + reason)
+
+
+def test_the_node_serves_where_it_can_write_nowhere_but_in_its_folder_of_temporary_files(
+    peer, tmp_path
+):
+    unshare = ['unshare', '--mount', *([] if os.geteuid() == 0 else ['--map-root-user'])]
+    read_only = 'mount --make-rprivate / && mount -o remount,bind,ro / && mount -t tmpfs none "$0"'
+    check = '! touch "$0/../written" 2> /dev/null'
+    folder = tmp_path / 'tmp'
+    folder.mkdir()
+    boxed = [*unshare, 'sh', '-ec', f'{read_only} && {check} && exec "$@"', folder]
+    if subprocess.run([*boxed, 'true'], capture_output=True).returncode:
+        pytest.skip('needs the right to make a read-only view of the file system (unshare)')
+    node = Path(get_package_prefix('mirror_explainer')) / 'lib/mirror_explainer/explainer_node'
+    namespace = ['-r', f'__ns:={peer.node.get_namespace()}']
+    with (tmp_path / 'log').open('wb') as log:
+        process = subprocess.Popen(
+            [*boxed, node, '--ros-args', *namespace, '-p', f'user_model_file:={USER_MODEL}'],
+            env=os.environ | {'TMPDIR': str(folder), 'ROS_LOG_DIR': str(folder)},
+            stdout=log,
+            stderr=log,
+        )
+    try:
+        peer.publish_warehouse()
+        answer = peer.answer()
+    finally:
+        process.terminate()
+        process.wait(PATIENCE)
+    assert answer == THREE_SENTENCES
