@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 import threading
 import time
 from collections import Counter, defaultdict
@@ -304,6 +305,32 @@ def test_plans_are_combined_where_parts_of_the_goal_are_apart(planner: Planner) 
     referee = Referee(space)
     for belief, result in zip(every_belief(space), report.results, strict=True):
         assert check(referee, belief, result) == (len(belief.true_facts) + 1) ** 3
+
+
+# 3⁴ = 81 optimal plans, in parts, and 6! / (3! 3!) = 20, in one: which ball goes in which hand
+@pytest.mark.parametrize(
+    'space', [replace(errands(4, 2), uncertain_facts=()), BeliefSpace(*gripper(6)[:2], ())]
+)
+def test_what_objects_are_called_does_not_decide_which_plans_are_taken(
+    planner: Planner, space: BeliefSpace
+) -> None:
+    space = replace(space, goals=space.goals or (gripper(6)[2],))
+    found = re.findall(r'\b(?:[pw]\d|ball\d|here|there|left|right)\b', space.problem)
+    objects = list(dict.fromkeys(found))
+    names = {name: f'z{99 - number}' for number, name in enumerate(objects)}
+
+    def other(text: str) -> str:
+        return re.sub(r'[\w-]+', lambda word: names.get(word[0], word[0]), text)
+
+    renamed = replace(space, problem=other(space.problem), goals=(other(space.goals[0]),))
+
+    [some], [same] = (
+        planner.plan(each, [Belief(0)], plans_per_belief=10).results for each in (space, renamed)
+    )
+
+    assert len(some.plans) == 10
+    expected = {tuple(sorted(map(other, plan))) for plan in as_sets(some)}
+    assert as_sets(same) == expected
 
 
 @pytest.mark.parametrize('count', [1, 2, 7, 30])

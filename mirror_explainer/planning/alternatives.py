@@ -123,7 +123,9 @@ class Alternatives:
             subject.result = (
                 self._inherited(subject)
                 or optimal_plans(
-                    [o for o in self._task.operators if o.name in subject.seen],
+                    self._walk.as_declared(
+                        o for o in self._task.operators if o.name in subject.seen
+                    ),
                     subject.node.state,
                     self._walk.goal(subject.node),
                     subject.plan,

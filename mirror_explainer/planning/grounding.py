@@ -4,11 +4,11 @@ A robot's step changes the initial state and nothing else of a problem; mostly
 the grounding then serves again.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from mirror_explainer.planning.ground_task import Fact, GroundTask, State
+from mirror_explainer.planning.ground_task import Fact, GroundTask, Operator, State
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class Grounding:
     `variables` are the variables' value names before those that matter to no
     goal were left out, `kept` the ones that were kept, in the task's order.
     `mutexes` are groups of atoms of which one at most may hold initially.
+    `objects` are all objects, as declared.
     """
 
     task: GroundTask
@@ -32,6 +33,7 @@ class Grounding:
     mutexes: tuple[frozenset[str], ...]
     initial: frozenset[str]
     uncertain: tuple[str, ...]
+    objects: tuple[str, ...]
 
     def initial_state(self, atoms: frozenset[str]) -> State | None:
         """Return the state in which exactly these atoms hold, None if there is no such state."""
@@ -57,6 +59,21 @@ class Grounding:
     @cached_property
     def _changeable(self) -> frozenset[str]:
         return frozenset(name for names in self.variables for name in names)
+
+    def as_declared(self, operators: Iterable[Operator]) -> list[Operator]:
+        """Return the operators by their actions, and these by how their objects are declared.
+
+        The translator sorts them by name, but what an object is called means nothing.
+        """
+        return sorted(operators, key=self._place)
+
+    def _place(self, operator: Operator) -> tuple[str, list[int]]:
+        action, *objects = operator.name[1:-1].split()
+        return action, [self._number[item] for item in objects]
+
+    @cached_property
+    def _number(self) -> dict[str, int]:
+        return {item: number for number, item in enumerate(self.objects)}
 
     @cached_property
     def relevant(self) -> frozenset[str]:

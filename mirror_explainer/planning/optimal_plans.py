@@ -48,8 +48,8 @@ def optimal_plans(
 ) -> OptimalPlans | None:
     """Return up to `most` optimal plans that use these operators only; costs are positive.
 
-    `known` is one of them. If there are more, a sample is drawn. None if there
-    are too many states to look at.
+    `known` is one of them. If there are more, a sample is drawn, which the order
+    of the operators decides. None if there are too many states to look at.
     """
     parts: list[tuple[list[Actions], bool]] = []
     for part in independent_parts(operators):

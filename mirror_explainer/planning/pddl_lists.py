@@ -46,6 +46,16 @@ class Lists:
         """The initial facts that are not uncertain."""
         return [fact for fact in self.initial_facts if fact not in self.facts]
 
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """All objects in the order in which they are declared."""
+        words = next(part[1:] for part in self.domain[1:] if part[0] == ':constants')
+        return tuple(
+            word
+            for before, word in zip(['', *words], words, strict=False)
+            if '-' not in (before, word)
+        )
+
 
 def read_lists(
     domain: list[Any], problem: list[Any], goals: Sequence[Any], facts: Sequence[list[str]]

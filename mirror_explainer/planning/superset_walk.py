@@ -61,6 +61,7 @@ class SupersetWalk:
         self.provisional = provisional
         self._scale = scale
         self.task = grounding.task
+        self.as_declared = grounding.as_declared
         self._goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
         self._plans: dict[int, dict[tuple[str, ...], int]] = defaultdict(dict)

@@ -177,6 +177,7 @@ def _grounding(
         mutexes=mutexes,
         initial=initial_atoms(lists),
         uncertain=_uncertain(lists),
+        objects=lists.objects,
     )
 
 
@@ -191,6 +192,7 @@ def _without_any_plan(lists: Lists) -> Grounding:
         mutexes=(),
         initial=initial_atoms(lists),
         uncertain=_uncertain(lists),
+        objects=lists.objects,
     )
 
 
