@@ -104,6 +104,7 @@ def _databases(file: Path | None) -> dict[str, Any]:
         'default': {
             'ENGINE': 'django.db.backends.sqlite3',
             'NAME': file,
+            'CONN_MAX_AGE': None,  # a connection a thread, for as long as it lives
             'OPTIONS': {
                 'init_command': 'PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;',
                 # Readers that go on to write would otherwise fail when two of them meet.

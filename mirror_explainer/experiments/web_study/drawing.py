@@ -110,22 +110,22 @@ class Drawing:
 
 _BATTERY = {
     True: "The robot's battery is charged.",
-    False: "The robot's battery is empty: it must recharge before it can leave.",
+    False: "The robot's battery is empty: it must recharge.",
 }
-_CORRIDOR = (150.0, 84.0)
-_ROOM = (230.0, 160.0)
+_CORRIDOR = (170.0, 84.0)
+_ROOM = (245.0, 160.0)
 _KNOWN: Mapping[str, Place] = {
     'left': Place(110, 100, 'left corridor', *_CORRIDOR, False),
     'center': Place(330, 100, 'central corridor', *_CORRIDOR, False),
     'right': Place(570, 100, 'right corridor', *_CORRIDOR, False),
-    'doors': Place(255, 250, "warehouses' doors", 180, 56, False),
+    'doors': Place(255, 250, "warehouses' doors", 200, 56, False),
     'red_room': Place(130, 430, 'red warehouse', *_ROOM, True),
-    'blue_room': Place(380, 430, 'blue warehouse', *_ROOM, True),
+    'blue_room': Place(383, 430, 'blue warehouse', *_ROOM, True),
 }
 _DOORS: Mapping[str, Point] = {
     'top_left_door': Point(40, 26),
     'top_right_door': Point(680, 26),
-    'bottom_door': Point(640, 500),
+    'bottom_door': Point(674, 500),
 }
 _SHAPES = ('circle', 'square', 'triangle')
 _COLOURS = ('red', 'blue')
