@@ -91,7 +91,8 @@ class Person:
 
     def join(self):
         """Agree, and begin."""
-        return self.post('join', consent='on')
+        new = re.search('name="new" value="(.*?)"', self.page.html)[1]
+        return self.post('join', consent='on', new=new)
 
     @property
     def code(self):

@@ -237,7 +237,7 @@ def test_an_answer_once_given_stays_however_often_it_is_sent(study, person):
 
 
 def test_an_answer_to_a_step_that_is_not_due_is_ignored(person):
-    for step in ('2', '0', '-1', 'x', '9' * 400):
+    for step in ('2', '0', '-1', 'x', '9' * 5000):
         assert person.answer('0', step=step).step == 1
     assert person.answer('0', scenario='scenario-1').step == 1
     assert person.answer('0', scenario="'; DROP TABLE web_study_step; --").step == 1
@@ -260,6 +260,24 @@ def test_nobody_takes_part_without_consent(study):
     assert 'Tick the box if you agree' in page.html
     assert someone.get('study').title == 'What is the robot up to?'
     assert 'Go on where you were' not in someone.page.html
+
+
+def test_a_form_that_is_sent_twice_makes_one_participant(study):
+    someone = Person(study.url)
+    welcome = someone.page
+    first = someone.join()
+    code = someone.code
+
+    someone.page = welcome
+    someone.join()
+
+    assert someone.code == code
+    assert someone.page.title == first.title == 'Practice'
+
+
+@pytest.mark.parametrize('code', ['', 'x', 'aaaa-bbbb', 'aaaa-bbbb-ccc1', '../-aaaa-aaaa'])
+def test_nobody_makes_up_a_code(study, code):
+    assert Person(study.url).post('join', consent='on', new=code).status == 400
 
 
 def test_a_code_leads_back_in_another_browser(person, study):
@@ -329,6 +347,19 @@ def test_a_file_that_is_no_database_is_left_alone(tmp_path):
     assert ended.returncode == 2
     assert f'{file}: it cannot be used as a database' in ended.stderr
     assert file.read_text().startswith('not a database')
+
+
+def test_the_database_of_something_else_is_left_alone(tmp_path):
+    file = tmp_path / 'other.sqlite3'
+    with sqlite3.connect(file) as other:
+        other.execute('CREATE TABLE precious (thing TEXT)')
+    before = file.read_bytes()
+
+    ended = run('export', '--database', file)
+
+    assert ended.returncode == 2
+    assert f"{file}: it is not a study's. Name another --database." in ended.stderr
+    assert file.read_bytes() == before
 
 
 def test_a_database_that_is_not_there_is_made_by_serve_alone(tmp_path):

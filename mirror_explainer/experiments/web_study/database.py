@@ -1,6 +1,8 @@
 """Opening a study's database: what it was designed as, or a design made for a new one."""
 
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 from mirror_explainer.errors import InputError
@@ -14,14 +16,15 @@ def open_database(
 ) -> Design:
     """Return the design that the database holds; `make` it where there is none yet.
 
-    Without `make` a missing database or an empty one is an InputError, and so is a
-    file that is no database.
+    Without `make` a missing database or an empty one is an InputError, and so is
+    always a file that is no database, or that of something else.
     """
     if make is None and not file.is_file():
         raise InputError(str(file), 'there is no such file', cure='"serve" makes one.')
     from django.db import DatabaseError
 
     try:
+        _check(file)
         configure(Site('study', 'mirror_explainer.experiments.web_study', file), address)
         from mirror_explainer.experiments.web_study.models import Study
 
@@ -30,6 +33,16 @@ def open_database(
             if make is None:
                 raise InputError(str(file), 'no study was served from it yet')
             study, _ = Study.objects.get_or_create(pk=1, defaults={'design': to_json(make())})
-    except DatabaseError as error:
+    except (DatabaseError, sqlite3.DatabaseError) as error:
         raise InputError(str(file), f'it cannot be used as a database ({error})') from error
     return from_json(study.design)
+
+
+def _check(file: Path) -> None:
+    """Raise InputError for a database that has tables, but not ours; it is left as it is."""
+    if not file.exists():
+        return
+    with closing(sqlite3.connect(f'{file.resolve().as_uri()}?mode=ro', uri=True)) as database:
+        found = database.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
+    if found and ('web_study_study',) not in found:
+        raise InputError(str(file), "it is not a study's", cure='Name another --database.')

@@ -45,13 +45,19 @@ class Due:
         return [self.encounter.sentences[position] for position in order]
 
 
-def enter(design: Design) -> Participant:
-    """Add a participant, with the first number that nobody has."""
+def enter(design: Design, code: str) -> Participant:
+    """Return the participant of this new code: added, but for who sent the form twice.
+
+    A new one gets the first number that nobody has.
+    """
     with transaction.atomic():
+        participant: Participant | None = Participant.objects.filter(code=code).first()
+        if participant is not None:
+            return participant
         taken = set(Participant.objects.values_list('number', flat=True))
         number = next(n for n in range(len(taken) + 1) if n not in taken)
         participant = Participant(
-            name=f'p-{_random(6)}', code=new_code(), number=number, turns=turns(design, number)
+            name=f'p-{_random(6)}', code=code, number=number, turns=turns(design, number)
         )
         participant.save(force_insert=True)
     return participant
@@ -60,6 +66,14 @@ def enter(design: Design) -> Participant:
 def new_code() -> str:
     """Return a new code to come back with."""
     return '-'.join(_random(_CODE_GROUP) for _ in range(_CODE_GROUPS))
+
+
+def is_code(text: str) -> bool:
+    """Whether a text may be a code."""
+    groups = text.split('-')
+    return len(groups) == _CODE_GROUPS and all(
+        len(group) == _CODE_GROUP and set(group) <= set(_LETTERS) for group in groups
+    )
 
 
 def due(participant: Participant, design: Design) -> Due | None:
@@ -94,7 +108,7 @@ def show(participant: Participant, what: Due) -> None:
 
 
 def answer(
-    participant: Participant, design: Design, scenario: str, step: int, choice: str
+    participant: Participant, design: Design, scenario: str, step: str, choice: str
 ) -> bool:
     """Keep an answer: "0" … "2" for a choice, "?" for "I don't know".
 
@@ -104,13 +118,14 @@ def answer(
     with transaction.atomic():
         now = timezone.now()
         next_ = due(participant, design)
-        if next_ is None or (next_.encounter.name, next_.step) != (scenario, step):
+        if next_ is None or (next_.encounter.name, str(next_.step)) != (scenario, step):
             return True
         choices = {str(i): goal.name for i, goal in enumerate(next_.encounter.choices)}
         given = {**choices, '?': DONT_KNOW}.get(choice)
         if given is None:
             return False
-        shown = Step.objects.filter(participant=participant, scenario=scenario, step=step).first()
+        steps = Step.objects.filter(participant=participant, scenario=scenario)
+        shown = steps.filter(step=next_.step).first()
         if shown is not None:
             shown.answer = given
             shown.seconds = max(0.0, (now - shown.shown_at).total_seconds())

@@ -14,7 +14,16 @@ from mirror_explainer.experiments.web_study import own_curve, records
 from mirror_explainer.experiments.web_study.design import PRACTICE, Design, from_json
 from mirror_explainer.experiments.web_study.drawing import Drawing, drawing
 from mirror_explainer.experiments.web_study.models import Participant, Study
-from mirror_explainer.experiments.web_study.progress import Due, answer, begin, due, enter, show
+from mirror_explainer.experiments.web_study.progress import (
+    Due,
+    answer,
+    begin,
+    due,
+    enter,
+    is_code,
+    new_code,
+    show,
+)
 from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.pddl import read_task
 
@@ -40,9 +49,10 @@ def welcome(request: HttpRequest) -> HttpResponse:
 
 def join(request: HttpRequest) -> HttpResponse:
     """Let somebody take part who agrees to."""
-    if 'consent' not in request.POST:
+    code = request.POST.get('new', '')
+    if 'consent' not in request.POST or not is_code(code):
         return _welcome(request, 'Tick the box if you agree; without that you cannot take part.')
-    return _as_participant(enter(_design()).code)
+    return _as_participant(enter(_design(), code).code)
 
 
 def resume(request: HttpRequest) -> HttpResponse:
@@ -80,15 +90,10 @@ def give(request: HttpRequest) -> HttpResponse:
     participant = _participant(request)
     if participant is None:
         return HttpResponseRedirect('/')
-    sent = request.POST
-    step = sent.get('step', '')
-    kept = answer(
-        participant,
-        _design(),
-        sent.get('scenario', ''),
-        int(step) if step.isdecimal() else 0,
-        sent.get('choice', ''),
+    scenario, step, choice = (
+        request.POST.get(name, '') for name in ('scenario', 'step', 'choice')
     )
+    kept = answer(participant, _design(), scenario, step, choice)
     next_ = due(participant, _design())
     if kept or next_ is None:
         return HttpResponseRedirect('/study')
@@ -115,7 +120,7 @@ def _welcome(request: HttpRequest, error: str = '') -> HttpResponse:
         'scenarios': len(_design().encounters),
         'error': error,
         'drawing': _drawing(PRACTICE),
-        'choices': _design().practice.choices,
+        'new_code': new_code(),
     }
     return render(request, 'study/welcome.html', context, status=400 if error else 200)
 
