@@ -23,7 +23,7 @@ _FLAGS = [
     '--disable-sync',
 ]
 _WCAG_AA = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa']
-PATIENCE = 60_000  # ms, far more than anything takes
+PATIENCE = 150_000  # ms, far more than anything takes
 # Width and height in CSS pixels. At 200 % zoom a screen has half as many.
 SCREENS = {'desktop': (1280, 800), 'zoomed': (640, 400), 'tablet': (768, 1024)}
 

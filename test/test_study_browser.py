@@ -95,6 +95,7 @@ def go_on(page, given, random):
         press(page, 'Enter')
 
 
+@pytest.mark.timeout(900)  # some 120 pages and the planning before them, on a busy machine
 def test_a_whole_study_by_keyboard_through_reloads_and_a_killed_server(
     chromium, database, tmp_path
 ):

@@ -5,8 +5,9 @@ import math
 
 import pytest
 
+from mirror_explainer.experiments.participants import Noise, simulate
 from mirror_explainer.experiments.scenarios import scenarios
-from mirror_explainer.experiments.study_design import presentation_order
+from mirror_explainer.experiments.study_design import assignment, presentation_order
 from mirror_explainer.experiments.study_plans import plan_scenario
 from mirror_explainer.experiments.warehouse_files import read_floor
 from mirror_explainer.experiments.web_study.design import (
@@ -14,6 +15,7 @@ from mirror_explainer.experiments.web_study.design import (
     Choice,
     Design,
     Encounter,
+    design,
     encounter,
     from_json,
     in_words,
@@ -38,6 +40,13 @@ DESIGN = Design(7, 12, 'domain', plain(PRACTICE), tuple(plain(f's{i}') for i in 
 @pytest.fixture(scope='module')
 def floor():
     return read_floor()
+
+
+@pytest.fixture(scope='module')
+def planned(floor):
+    [drawn] = scenarios(floor, 1, 3)
+    with Planner() as planner:
+        return plan_scenario(drawn, planner)
 
 
 # Who meets what
@@ -97,10 +106,8 @@ def test_what_is_said_next_is_what_a_step_adds():
     assert order_said([(4,), (1, 4), (1, 3, 4)]) == (4, 1, 3)
 
 
-def test_an_encounter_has_what_the_simulated_participants_hear(floor):
-    [drawn] = scenarios(floor, 1, 3)
-    with Planner() as planner:
-        planned = plan_scenario(drawn, planner)
+def test_an_encounter_has_what_the_simulated_participants_hear(planned):
+    drawn = planned.scenario
 
     met = encounter(planned)
 
@@ -110,8 +117,19 @@ def test_an_encounter_has_what_the_simulated_participants_hear(floor):
     assert sorted(met.orders['informative']) == list(range(met.steps))
     assert [choice.name for choice in met.choices] == [drawn.goals[i].name for i in drawn.shown]
     assert met.goal in [choice.name for choice in met.choices]
-    kept = Design(0, 1, '', met, (met,), {'informative': {10: 0.5}})
-    assert from_json(to_json(kept)) == kept
+
+
+def test_a_design_has_the_hit_ratios_of_the_simulated_study_and_is_kept_as_it_is(planned):
+    pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
+    from mirror_explainer.experiments.study_statistics import PERCENTS, answer_table, curves
+
+    made = design(3, 1, planned, [planned])
+
+    answers = simulate([planned], 'same', assignment(10, 1, 3), Noise(), 3)
+    for row in curves(answer_table(answers)).dropna(subset='hit_ratio').to_dict('records'):
+        assert made.simulated[row['strategy']][row['percent']] == row['hit_ratio']
+    assert set(made.simulated['informative']) <= set(PERCENTS)
+    assert from_json(to_json(made)) == made
 
 
 # What they see

@@ -160,14 +160,12 @@ def from_json(text: str) -> Design:
 
 def _simulated(planned: Sequence[PlannedScenario], seed: int) -> dict[str, dict[int, float]]:
     # Not before the extras are known to be there.
-    from mirror_explainer.experiments.study_statistics import answer_table, curves
+    from mirror_explainer.experiments.study_statistics import answer_table, ratios
 
     strategies = assignment(SIMULATED_PARTICIPANTS, len(planned), seed)
-    curve = curves(answer_table(simulate(planned, SIMULATED, strategies, Noise(), seed)), seed)
-    by_strategy: dict[str, dict[int, float]] = {strategy: {} for strategy in STRATEGIES}
-    for row in curve.dropna(subset='hit_ratio').to_dict('records'):
-        by_strategy[row['strategy']][row['percent']] = row['hit_ratio']
-    return by_strategy
+    of_each = ratios(answer_table(simulate(planned, SIMULATED, strategies, Noise(), seed)))
+    means = of_each.groupby(['strategy', 'percent'])['hit_ratio'].mean().dropna()
+    return {strategy: dict(means[strategy]) for strategy in STRATEGIES}
 
 
 _ADAPTER = TypeAdapter(Design)
