@@ -32,7 +32,13 @@ from std_srvs.srv import Trigger
 from mirror_explainer.errors import InputError
 from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.web.address import add_address_arguments, address
-from mirror_explainer.web.operator.heard import Heard, Settings, Status, read_answer
+from mirror_explainer.web.operator.heard import (
+    SETTINGS,
+    Heard,
+    Settings,
+    Status,
+    read_answer,
+)
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 PORT = 8350
@@ -40,6 +46,7 @@ PORT = 8350
 SILENCE = 5.0  # the explainer tells its state each second
 DISCOVERY = 2.0  # for a service that was not seen yet
 REPLY = 5.0  # for a reply, beside what the explainer itself waits for an update
+LONGEST_REPLY = 60.0  # however long it waits
 
 
 class OperatorPage(Node):
@@ -117,16 +124,23 @@ class OperatorPage(Node):
             self._on_failure(str(error))
 
     def _call(self, client: Client, request: Any) -> Any:
-        """Return the service's response, or raise _NoAnswer."""
+        """Return the service's response; raise _NoAnswer if there is none, or no sign of life."""
         if not client.wait_for_service(DISCOVERY):
             raise _NoAnswer(f'nobody serves {client.service_name}. Is the explainer running?')
         with self._changed:
             settings = self._heard.settings
-        limit = REPLY + (settings.answer_timeout if settings else 0.0)
-        response = client.call(request, limit)
-        if response is None:
-            raise _NoAnswer(f'{client.service_name} gave no reply within {limit:.0f} s')
-        return response
+        waits = settings.answer_timeout if settings else 0.0
+        limit = min(REPLY + waits, LONGEST_REPLY)
+        started = time.monotonic()
+        done = threading.Event()
+        future = client.call_async(request)
+        future.add_done_callback(lambda _: done.set())
+        while not done.wait(0.2):
+            now = time.monotonic()
+            if now > min(started + limit, max(started, self._last_status) + SILENCE):
+                client.remove_pending_request(future)
+                raise _NoAnswer(f'{client.service_name} gave no reply in {now - started:.0f} s')
+        return future.result()
 
     def _update(self, change: Callable[[Heard], Heard]) -> None:
         with self._changed:
@@ -140,13 +154,12 @@ class OperatorPage(Node):
     def _on_explanation(self, message: String, info: Any) -> None:
         try:
             answer = read_answer(message.data, self._explanation.topic_name)
+            at = _clock(info['source_timestamp'] / 1e9)
+            self._update(lambda heard: heard.with_answer(answer, at))
         except InputError as error:
             self._on_failure(str(error))
-            return
-        at = _clock(info['source_timestamp'] / 1e9)
         with self._changed:
             self._explanations += 1
-            self._heard = self._heard.with_answer(answer, at)
             self._changed.notify_all()
 
     def _on_diagnostics(self, array: DiagnosticArray) -> None:
@@ -166,14 +179,12 @@ class OperatorPage(Node):
         if self._asked_settings is not None:
             self._get.remove_pending_request(self._asked_settings)
         if self._get.service_is_ready():
-            names = list(Settings.__dataclass_fields__)
-            self._asked_settings = self._get.call_async(GetParameters.Request(names=names))
+            self._asked_settings = self._get.call_async(GetParameters.Request(names=SETTINGS))
             self._asked_settings.add_done_callback(self._on_settings)
 
     def _on_settings(self, future: Future) -> None:
         values = [parameter_value_to_python(value) for value in future.result().values]
-        if len(values) == len(Settings.__dataclass_fields__) and None not in values:
-            self._update(lambda heard: replace(heard, settings=Settings(*values)))
+        self._update(lambda heard: replace(heard, settings=Settings.of(values)))
 
 
 class _NoAnswer(Exception):

@@ -225,6 +225,12 @@ def test_a_status_is_read_by_the_keys_of_the_diagnostics() -> None:
     assert Status.of(0, 'ready', {'what to do': 'nothing'}) == Status(0, 'ready')
 
 
+def test_settings_are_read_in_the_order_of_their_names() -> None:
+    assert Settings.of([3, 'informative', 0.0, False, 5.0]) == SETTINGS
+    assert Settings.of([3, 'informative', 0.0, False, None]) is None
+    assert Settings.of([]) is None
+
+
 @pytest.mark.parametrize('text', ['', 'no JSON', '[]', '{"strategy": 3}'])
 def test_what_is_no_explanation_is_named_with_its_topic(text: str) -> None:
     with pytest.raises(InputError, match='^/robot/explanation: this is no explanation'):

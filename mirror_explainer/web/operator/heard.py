@@ -1,7 +1,7 @@
 """What the operator's page has heard of an explainer: values only, no ROS and no HTTP."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -103,6 +103,18 @@ class Settings:
     threshold: float
     remember: bool
     answer_timeout: float
+
+    @classmethod
+    def of(cls, values: Sequence[object]) -> 'Settings | None':
+        """Return the settings with these values, in this order; None where one is no such."""
+        try:
+            return _SETTINGS.validate_python(dict(zip(SETTINGS, values, strict=True)))
+        except (ValidationError, ValueError):
+            return None
+
+
+SETTINGS = tuple(field.name for field in fields(Settings))
+_SETTINGS = TypeAdapter(Settings)
 
 
 @dataclass(frozen=True)
