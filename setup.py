@@ -29,7 +29,6 @@ setup(
     python_requires='>=3.11',
     install_requires=[
         'numpy>=1.26',
-        'psutil>=5.9',
         'pydantic>=2.5',
         'pyparsing>=3.1',
         'pyyaml>=6.0',
@@ -45,6 +44,7 @@ setup(
             'hypothesis',
             'mypy',
             'playwright',
+            'psutil',
             'pytest',
             'pytest-benchmark',
             'pytest-timeout',

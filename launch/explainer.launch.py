@@ -27,7 +27,7 @@ def generate_launch_description() -> LaunchDescription:
         name='mirror_explainer',
         namespace=LaunchConfiguration('namespace'),
         parameters=[LaunchConfiguration('params_file')],
-        ros_arguments=['--log-level', LaunchConfiguration('log_level')],
+        arguments=['--log-level', LaunchConfiguration('log_level')],
         output='screen',
     )
     return LaunchDescription([*arguments, node])

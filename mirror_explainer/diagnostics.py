@@ -86,9 +86,11 @@ def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]
             "See whether the robot's planner still runs: the answers are about its last plan.",
         )
     if not model.complete:
+        left_out = f'{model.covered_mass:.0%} of P(B) within max_beliefs'
+        why = [left_out] if model.covered_mass < 1.0 - 1e-9 else []
         return (
             Level.WARN,
-            f'{state.message}, but not for all beliefs: {"; ".join(model.warnings)}',
+            f'{state.message}, but not for all beliefs: {"; ".join([*why, *model.warnings])}',
             'Raise deadline, planning_timeout or max_beliefs, or let the user model have fewer '
             'beliefs.',
         )

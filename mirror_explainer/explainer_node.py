@@ -3,6 +3,7 @@
 import argparse
 import logging
 import os
+import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -16,9 +17,11 @@ os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import SetParametersResult
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
@@ -192,13 +195,14 @@ class ExplainerNode(Node):
             else:
                 response.message = printable(state.message)
         except Exception as error:  # an exception that leaves a callback ends the node
-            _log.exception('verbalize_plan failed')
+            if self.context.ok():  # otherwise the node is ending
+                _log.exception('verbalize_plan failed')
             response.success = False
             response.message = printable(f'internal error, please report it: {error!r}')
         seconds = time.perf_counter() - started
         with self._history_lock:
             self._history = self._history.after_call(response.success, seconds)
-        _log.debug('a call was %s', 'answered' if response.success else response.message)
+        _log.debug('call: %s', 'answered' if response.success else response.message)
         return response
 
     def _publish_answer(self, text: str, report: str) -> None:
@@ -244,7 +248,11 @@ class ExplainerNode(Node):
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(array)
+        try:
+            self._diagnostics.publish(array)
+        except RCLError:
+            if self.context.ok():  # otherwise the node is ending
+                raise
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -278,6 +286,11 @@ def main(args: Sequence[str] | None = None) -> None:
             executor.spin_once(timeout_sec=0.2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except ParameterException as error:
+        sys.exit(f'explainer_node: {error}')
+    except RCLError:
+        if rclpy.ok():  # otherwise a signal came just before the executor waited
+            raise
     finally:
         if node is not None:
             node.close()

@@ -47,6 +47,10 @@ _READER_ERRORS = (
     RecursionError,
 )
 
+_UNREADABLE = (
+    'See whether the text was cut off, its parentheses match, and all its names are declared.'
+)
+
 
 @dataclass(frozen=True)
 class Task:
@@ -271,7 +275,8 @@ def _input_error(error: Exception, text: str, source: str, hint: str) -> InputEr
     if isinstance(error, pyparsing.ParseBaseException):
         found = str(error).split('  (at char')[0]
         near = f'in "{error.line.strip()[:60]}"' if error.line.strip() else 'at the end'
-        return InputError(source, f'no PDDL that can be read: {found} {near}{hint}', error.lineno)
+        reason = f'no PDDL that can be read: {found} {near}{hint}'
+        return InputError(source, reason, error.lineno, cure=_UNREADABLE)
     if isinstance(error, RecursionError):
         return InputError(source, 'the text is nested too deeply')
     if isinstance(error, (AssertionError, AttributeError, IndexError, TypeError)) and not (
@@ -282,7 +287,7 @@ def _input_error(error: Exception, text: str, source: str, hint: str) -> InputEr
             'one of its expressions is malformed: are all its parts there, and its names known?'
         )
         detail = f' ({error})' if isinstance(error, AssertionError) and str(error) else ''
-        return InputError(source, reason + detail + hint)
+        return InputError(source, reason + detail + hint, cure=_UNREADABLE)
     message = str(error).strip() or type(error).__name__
     said = re.search(r'line:? (\d+)', message)
     message = re.split(
@@ -294,6 +299,7 @@ def _input_error(error: Exception, text: str, source: str, hint: str) -> InputEr
     message = re.sub(
         r'^(Not able to handle|Found invalid expression): ', 'unknown name in ', message
     )
+    message = re.sub(r'^unknown name in ([\w-]+)$', r'unknown name "\1"', message)
     message = message.split(' Different elements')[0].rstrip('.!').removeprefix('In FluentExp, ')
     message = message.replace(
         'is not well-formed', 'does not fit its declaration: are its arguments of the right types?'
@@ -302,7 +308,7 @@ def _input_error(error: Exception, text: str, source: str, hint: str) -> InputEr
         message = f'{message} is not declared'
     name = re.search(r"'([\w-]+)'|Name ([\w-]+)", message)
     line = int(said[1]) if said else _line_of(name[1] or name[2], text) if name else None
-    return InputError(source, message + hint, line)
+    return InputError(source, message + hint, line, cure=_UNREADABLE)
 
 
 def _line_of(word: str, text: str) -> int | None:

@@ -6,7 +6,7 @@ message from the same place, and say nothing of what it dropped.
 
 import logging
 import time
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -17,9 +17,10 @@ from mirror_explainer.answers import printable
 FIRST_INTERVAL = 10.0
 LONGEST_INTERVAL = 3600.0
 # A line that did not come for so many seconds is news again.
-QUIET = 60.0
-# As many different lines are logged until one of them is quiet.
-MOST_LINES = 20
+QUIET = 10.0
+# Of different lines, so many are logged in so many seconds.
+MOST_NEWS = 20
+NEWS_PERIOD = 60.0
 
 
 class RosLog(logging.Handler):
@@ -79,14 +80,16 @@ class Repetitions:
     def __init__(self) -> None:
         self._known: dict[str, _Counted] = {}
         self._others: _Counted | None = None
+        self._news: deque[float] = deque(maxlen=MOST_NEWS)
 
     def is_news(self, line: str, now: float) -> bool:
         """Say whether a line is to be logged; otherwise it is counted."""
         counted = self._known.get(line)
-        if counted is None and len(self._known) < MOST_LINES:
-            self._known[line] = _Counted(line, last=now, told=now)
-            return True
         if counted is None:
+            if len(self._news) < MOST_NEWS or now - self._news[0] > NEWS_PERIOD:
+                self._news.append(now)
+                self._known[line] = _Counted(line, last=now, told=now)
+                return True
             self._others = counted = self._others or _Counted(line, last=now, told=now)
         counted.line = line
         counted.last = now

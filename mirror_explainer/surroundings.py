@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-import psutil
+from mirror_explainer.memory import descendants, resident_memory
 
 
 @dataclass(frozen=True)
@@ -24,16 +24,12 @@ class Surroundings:
 
 def look_around(files: Iterable[str], publishers: Mapping[str, int]) -> Surroundings:
     """Return how things are now, with the number of publishers of each topic."""
-    node = psutil.Process()
-    planners = 0
-    for process in node.children(recursive=True):
-        with contextlib.suppress(psutil.Error):  # it has ended meanwhile
-            planners += process.memory_info().rss
+    node, planners = os.getpid(), sum(map(resident_memory, descendants(os.getpid())))
     ages = {}
     for file in files:
         with contextlib.suppress(OSError, ValueError):  # it is not there
             ages[file] = max(0.0, time.time() - os.stat(file).st_mtime)
-    return Surroundings(node.memory_info().rss, planners, ages, publishers, package_version())
+    return Surroundings(resident_memory(node), planners, ages, publishers, package_version())
 
 
 @cache

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import logging
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,10 +21,14 @@ from mirror_explainer.offline import (
 from mirror_explainer.selection import informative_order
 from mirror_explainer.text_files import read_text
 
+_log = logging.getLogger('mirror_explainer')
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for bad input, told on stderr."""
     options = _parser().parse_args(arguments)
+    logging.basicConfig(format='verbalize: %(levelname)s: %(message)s', force=True)
+    _log.setLevel(options.log_level.upper())
     try:
         text = _verbalize(options)
         if options.output:
@@ -42,7 +47,7 @@ def _verbalize(options: argparse.Namespace) -> str:
     """Return what the command prints."""
     preparation = prepare_files(options)
     for warning in preparation.model.warnings:
-        print(f'verbalize: warning: {warning}', file=sys.stderr)
+        _log.warning('%s', warning)
     said = read_text(options.said).split('\n') if options.said else []
     n = options.n if options.n is not None or options.threshold > 0 else 3
     explanation = explain(
@@ -158,6 +163,10 @@ def _parser() -> argparse.ArgumentParser:
     output.add_argument('--curve', action='store_true', help='add all N for all strategies')
     output.add_argument('--json', action='store_true', help='everything, as one JSON object')
     output.add_argument('--output', metavar='FILE', help='write there instead of printing')
+    output.add_argument(
+        '--log-level', choices=('debug', 'info', 'warning', 'error'), default='warning',
+        help='how much to tell, on stderr, of how the work is done (default warning)',
+    )  # fmt: skip
     return parser
 
 

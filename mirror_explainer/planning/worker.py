@@ -41,7 +41,7 @@ class Worker:
                 shutil.rmtree(self._directory, ignore_errors=True)
                 raise PlanningError(
                     f'the planning process does not start: {error}',
-                    cure='Free memory, or allow more processes (ulimit -u; TasksMax in systemd).',
+                    cure='Free disk and memory, or allow more processes (ulimit -u, TasksMax).',
                 ) from error
 
     def _start(self, program: Path, descriptor: int) -> subprocess.Popen[bytes]:

@@ -1,0 +1,158 @@
+"""What the running node shows of itself: its log, its diagnostics, its command line."""
+
+from collections.abc import Iterator
+
+import pytest
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from rcl_interfaces.msg import LoggerLevel
+from rcl_interfaces.srv import SetLoggerLevels
+from ros_peer import (
+    PATIENCE,
+    PLAN,
+    Call,
+    Peer,
+    Process,
+    eventually,
+    explainer,
+    last_diagnostic,
+    new_namespace,
+    running,
+)
+
+from mirror_explainer.surroundings import package_version
+
+pytestmark = pytest.mark.usefixtures('ros')
+
+
+@pytest.fixture(scope='module')
+def peer(ros: None) -> Iterator[Peer]:
+    """A peer of one robot for all these tests."""
+    peer = Peer(new_namespace())
+    yield peer
+    peer.close()
+
+
+@pytest.fixture(scope='module')
+def node(peer: Peer, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Process]:
+    """The node, which explains the warehouse's plan when a test begins and when it ends."""
+    with explainer(peer, tmp_path_factory.mktemp('seen')) as node:
+        peer.publish_warehouse()
+        peer.answer()
+        yield node
+
+
+def set_level(peer: Peer, level: int) -> None:
+    """Set the level of the node's log while it runs."""
+    client = peer.node.create_client(SetLoggerLevels, f'{peer.explainer}/set_logger_levels')
+    assert client.wait_for_service(PATIENCE)
+    name = peer.explainer.lstrip('/').replace('/', '.')
+    request = SetLoggerLevels.Request(levels=[LoggerLevel(name=name, level=level)])
+    (result,) = Call(client.call_async(request)).result().results
+    assert result.successful, result.reason
+
+
+def log_lines(node: Process, words: str) -> list[str]:
+    return [line for line in node.log.splitlines() if words in line]
+
+
+def test_bad_messages_without_end_do_not_flood_the_log(peer, node):
+    for _ in range(10):
+        peer.publish('plan', '(fly away)')
+        peer.failure('no action "fly"')
+        peer.publish('plan', '(move left mars)')
+        peer.failure('no object "mars"')
+    peer.publish('plan', PLAN)
+    peer.answer()
+
+    errors = log_lines(node, '[ERROR]')
+    # Each once, and its count if it took so long; a busy machine may make it news again.
+    assert 2 <= len(errors) <= 8, errors
+    assert '"fly"' in errors[0]
+    assert '"mars"' in errors[1]
+
+
+def test_a_robot_that_replans_all_the_time_does_not_flood_the_log(peer, node):
+    def updates() -> int:
+        return int(last_diagnostic(peer)['updates'])
+
+    lines = len(log_lines(node, 'ready: '))
+    for number in range(10):
+        before = updates()
+        peer.publish('plan', f'{PLAN}\n; {number}')
+        eventually(lambda: updates() > before, 'the next update')  # noqa: B023
+    peer.publish('plan', PLAN)
+    peer.answer()
+
+    assert len(log_lines(node, 'ready: ')) == lines
+
+
+def test_the_log_level_of_the_running_node_reaches_the_planners_lines(peer, node):
+    quiet = log_lines(node, '[DEBUG]')
+    set_level(peer, LoggerLevel.LOG_LEVEL_DEBUG)
+    peer.publish('plan', PLAN + '; again')
+    eventually(lambda: log_lines(node, '30 beliefs: '), "the planner's line")
+    set_level(peer, LoggerLevel.LOG_LEVEL_INFO)
+    peer.publish('plan', PLAN)
+    peer.answer()
+
+    assert not quiet
+
+
+def test_diagnostics_show_calls_memory_version_and_where_the_inputs_came_from(peer, node):
+    before = int(last_diagnostic(peer)['calls answered'])
+    peer.answer()
+    values = eventually(
+        lambda: int((found := last_diagnostic(peer))['calls answered']) > before and found,
+        'diagnostics after the call',
+    )
+
+    assert values['message'] == 'ready'
+    assert values['version'] == package_version()
+    assert int(values['MiB of node']) > 20
+    assert int(values['MiB of planners']) > 5
+    assert float(values['seconds of last call']) < PATIENCE
+    assert values['plan from'] == f'{peer.node.get_namespace()}/plan'
+    assert values['publishers of plan'] == '1'
+
+
+def test_a_robot_that_dies_is_seen_and_its_return_too(tmp_path):
+    listener = Peer(new_namespace())
+    robot = Peer(listener.node.get_namespace())
+    with explainer(listener, tmp_path):
+        robot.publish_warehouse()
+        listener.answer()
+        robot.close()
+        gone = eventually(
+            lambda: (
+                'nobody publishes' in (found := last_diagnostic(listener))['message'] and found
+            ),
+            'that the robot has gone',
+        )
+        answer = listener.call()
+        listener.publish_warehouse()
+        eventually(lambda: last_diagnostic(listener)['message'] == 'ready', 'the robot again')
+    listener.close()
+
+    assert gone['message'] == 'ready, but nobody publishes problem and plan any more'
+    assert gone['level'] == DiagnosticStatus.WARN
+    assert answer.success
+
+
+@pytest.mark.parametrize(
+    ('options', 'parameters', 'status', 'told'),
+    [
+        (['--log-levle', 'x'], {}, 2, 'unrecognized arguments: --log-levle'),
+        (['--help'], {}, 0, '--log-level'),
+        ([], {'n': 0}, 1, 'explainer_node: Invalid parameter value (0)'),
+    ],
+    ids=['unknown option', 'help', 'parameter out of range'],
+)
+def test_a_wrong_start_ends_with_one_sentence(options, parameters, status, told, tmp_path):
+    name = new_namespace()
+    with running('explainer_node', name, tmp_path, options=options, **parameters) as node:
+        assert node.popen.wait(PATIENCE) == status
+        assert told in node.log
+        assert 'Traceback' not in node.log
