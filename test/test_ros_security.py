@@ -14,7 +14,6 @@ pytest.importorskip('rclpy', reason='needs ROS 2')
 
 import rclpy
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
-from browser import served
 from rclpy.node import NodeNameNonExistentError
 from ros_peer import PATIENCE, THREE_SENTENCES, USER_MODEL, Peer, eventually, running
 
@@ -107,16 +106,6 @@ def test_the_policy_allows_the_operators_page_what_it_uses_and_no_more(peer, tmp
         eventually(lambda: 'http://' in page.log, 'the page')
         found = used_in_the_end(peer, 'operator_page', expected)
     assert found == expected
-
-
-def test_the_policy_allows_the_operators_page_what_it_uses_and_no_more(peer):
-    pytest.importorskip('django', reason='the extra [web] is not installed')
-    namespace = peer.node.get_namespace()
-    expected = allowed('/operator_page', namespace)
-    page = ['-m', 'mirror_explainer.operator_page', '--port', '0']
-    with served([*page, '--ros-args', '-r', f'__ns:={namespace}']):
-        eventually(lambda: 'operator_page' in peer.node.get_node_names(), 'the page')
-        eventually(lambda: used(peer, 'operator_page') == expected, 'exactly its rights')
 
 
 def test_the_operator_may_ask_and_listen_but_set_nothing():
