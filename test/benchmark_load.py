@@ -6,7 +6,6 @@ was lost, wrong or stale, or if a target of time or processor is missed.
 
 import argparse
 import contextlib
-import re
 import subprocess
 import sys
 import tempfile
@@ -23,7 +22,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from robot_stream import RobotStream, Verdict, judge
-from ros_peer import USER_MODEL, Peer, Process, eventually, started
+from ros_peer import USER_MODEL, Peer, Process, eventually, last_diagnostic, started
 from std_srvs.srv import Trigger
 from tabulate import tabulate
 from usage import processor_seconds
@@ -44,6 +43,7 @@ BURST_RATE = 50.0  # Hz
 class Scene:
     """The node, who speaks to it, and what was found wrong so far."""
 
+    peer: Peer
     node: Process
     callers: Crowd
     robot: RobotStream
@@ -61,9 +61,11 @@ class Scene:
         )
         return fresh.ended - self.robot.times.published[-1]
 
-    def preparations(self) -> int:
-        """Return how many updates were prepared: the node warns of the goal of each."""
-        return len(set(re.findall(r'\(holding (parcel_\d+)\).* is not among', self.node.log)))
+    def prepared(self) -> int:
+        """Return how many updates the node has worked off, as its next diagnostics tell."""
+        seen = len(self.peer.diagnostics)
+        eventually(lambda: len(self.peer.diagnostics) > seen + 1, 'diagnostics')
+        return int(last_diagnostic(self.peer)['updates'])
 
     def check(self, what: str, verdict: Verdict) -> None:
         """Note the calls that got what no call may get."""
@@ -93,7 +95,7 @@ def main() -> int:
         crowd(NAMESPACE, max(CLIENTS), PROCESSES) as callers,
     ):
         peer.publish('domain', DOMAIN)
-        scene = Scene(node, callers, RobotStream(peer), right)
+        scene = Scene(peer, node, callers, RobotStream(peer), right)
         scene.robot.send()
         scene.until_fresh()
         _print(warm_calls(scene, options.calls, options.rounds))
@@ -138,7 +140,7 @@ def warm_calls(scene: Scene, count: int, rounds: int) -> Iterator[Row]:
 def streams(scene: Scene, rates: Sequence[float], seconds: float) -> Iterator[Row]:
     """Let all clients call again and again while updates stream in, and check every answer."""
     for rate in rates:
-        before = scene.preparations()
+        before = scene.prepared()
         scene.callers.start(SERVICE, max(CLIENTS), until=time.monotonic() + seconds)
         sent = scene.robot.newest
         real_rate = scene.robot.send_many(int(seconds * rate), rate)
@@ -149,7 +151,7 @@ def streams(scene: Scene, rates: Sequence[float], seconds: float) -> Iterator[Ro
         yield {
             'updates a second': round(real_rate, 1),
             'updates': scene.robot.newest - sent,
-            'prepared': scene.preparations() - before,
+            'prepared': scene.prepared() - before,
             'calls': len(calls.answers) + calls.lost,
             'right': verdict.right,
             'not ready': verdict.not_ready,
@@ -165,14 +167,14 @@ def streams(scene: Scene, rates: Sequence[float], seconds: float) -> Iterator[Ro
 def bursts(scene: Scene, sizes: Sequence[int], rounds: int) -> Iterator[Row]:
     """Time the answer to the last of a burst of updates, the call coming right after it."""
     for size in sizes:
-        before, waits = scene.preparations(), []
+        before, waits = scene.prepared(), []
         for _ in range(rounds):
             scene.robot.send_many(size, BURST_RATE)
             waits.append(scene.until_fresh())
         yield {
             'updates in the burst': size,
             'bursts': rounds,
-            'prepared in all': scene.preparations() - before,
+            'prepared in all': scene.prepared() - before,
             's from the last update to its answer (median / longest)': _pair(
                 (np.median(waits), max(waits))
             ),
