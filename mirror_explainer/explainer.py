@@ -44,13 +44,15 @@ class Seconds:
 class Preparation:
     """All that is needed to answer at once: the mirror model, and what it cost.
 
-    `inputs` tells whoever made it which inputs it was made from.
+    `inputs` tells whoever made it which inputs it was made from. For `failed_beliefs`
+    the planner failed, and trying again may bring more.
     """
 
     model: MirrorModel
     seconds: Seconds
     planner_calls: int
     inputs: str = ''
+    failed_beliefs: int = 0
 
 
 @dataclass(frozen=True)
@@ -196,6 +198,8 @@ def prepare(
         cancelled=cancelled,
         progress=progress,
     )
+    if plan is not None:
+        _require_truth(report.results[prior.robot_belief], plan)
     model = mirror_model(
         prior,
         report.results,
@@ -204,7 +208,7 @@ def prepare(
         user_model.rationality,
     )
     seconds = Seconds(planning=time.perf_counter() - started)
-    return Preparation(model, seconds, report.planner_calls)
+    return Preparation(model, seconds, report.planner_calls, failed_beliefs=report.failed)
 
 
 def explain(
@@ -244,6 +248,22 @@ def explain(
         selection = most_informative(evidence, at_most, selection_budget)
     seconds = replace(preparation.seconds, selection=time.perf_counter() - started)
     return Explanation(strategy, replace(preparation, seconds=seconds), selection, heard)
+
+
+def _require_truth(result: BeliefPlans, robot_plan: Plan) -> None:
+    """Raise PlanningError if the planner says of b_R what π_R, which was checked, disproves."""
+    cheapest = min((plan.cost for plan in result.plans if plan.optimal), default=0.0)
+    if result.status is Status.UNSOLVABLE:
+        claim = 'that there is no plan'
+    elif cheapest > robot_plan.cost + 1e-6 * abs(cheapest):
+        claim = f'that no plan costs less than {cheapest:g}'
+    else:
+        return
+    raise PlanningError(
+        f'the planner is wrong: it says {claim}, where the robot has one that costs '
+        f'{robot_plan.cost:g}',
+        cure='Install the planner anew, or name another one.',
+    )
 
 
 def _planned(result: BeliefPlans) -> Plan:

@@ -133,6 +133,8 @@ class Alternatives:
                 )
                 or OptimalPlans(tuple(subject.found.values())[: self._most], all=False)
             )
+        elif finding is None:
+            subject.result = OptimalPlans((subject.plan,), all=False)
         for child in subject.children:
             child.open_parents -= 1
             if not child.open_parents:

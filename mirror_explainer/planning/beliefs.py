@@ -71,10 +71,12 @@ class PlanningReport:
 
     `planner_calls` engine calls were made; `searching` is how many seconds
     were spent on starting these and waiting for them. `way` says in a few words
-    how it was gone about.
+    how it was gone about. For `failed` beliefs the engine failed, and another try may
+    bring more.
     """
 
     results: tuple[BeliefPlans, ...]
     planner_calls: int
     way: str
     searching: float = 0.0
+    failed: int = 0

@@ -47,7 +47,7 @@ class Search:
     """A running search. Its `fileno` is readable once it has ended.
 
     Whoever starts it ends it after `seconds`; if nobody is left to do so, the
-    kernel does, a little later.
+    kernel does, a little later. Raises OSError when it does not start.
     """
 
     def __init__(self, binary: str, task: bytes, configuration: str, seconds: float) -> None:
@@ -86,7 +86,7 @@ class Search:
         code = self._process.wait()
         with open(self._plan, 'rb', closefd=False) as stream:
             stream.seek(0)
-            lines = stream.read().decode().splitlines()
+            lines = stream.read().decode(errors='replace').splitlines()
         self._close()
         actions = tuple(_canonical(line) for line in lines if line.startswith('('))
         # The plan ends with its cost; a text without is no whole plan.
@@ -96,7 +96,8 @@ class Search:
             return Outcome(Status.UNSOLVABLE)
         if code in _OUT_OF_MEMORY:
             return Outcome(Status.UNKNOWN, reason='the search ran out of memory')
-        return Outcome(Status.UNKNOWN, reason=f'downward ended with code {code}', crashed=True)
+        how = f'was ended by signal {-code}' if code < 0 else f'ended with code {code}'
+        return Outcome(Status.UNKNOWN, reason=f'downward {how}', crashed=True)
 
     def kill(self) -> None:
         """End the search at once."""

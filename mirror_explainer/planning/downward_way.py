@@ -12,7 +12,15 @@ from pathlib import Path
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
 from mirror_explainer.planning.limits import TICK, Limits
-from mirror_explainer.planning.messages import Ask, Attempt, Done, Stop, Unfitting, unknown
+from mirror_explainer.planning.messages import (
+    Ask,
+    Attempt,
+    Done,
+    Refusal,
+    Stop,
+    Unfitting,
+    unknown,
+)
 from mirror_explainer.planning.worker import Worker
 
 _PROGRAM = Path(__file__).with_name('downward_worker.py')
@@ -23,6 +31,7 @@ _GROUNDING_SECONDS = 10.0
 
 # How long a worker may take to come to a stop before it is ended, in seconds.
 _GRACE = 0.05
+_LONG_GRACE = 1.0
 
 _log = logging.getLogger(__name__)
 
@@ -52,8 +61,8 @@ class DownwardWay:
     ) -> Done | Unfitting:
         """Plan for each belief and record the results as they come, until the limits.
 
-        Returns what it took, or why this way cannot be gone. Raises Cancelled,
-        and PlanningError when the worker dies more than once.
+        Returns what it took, or why this way cannot be gone. Raises Cancelled, and
+        PlanningError when the worker dies more than once, or lacks memory.
         """
         left = dict.fromkeys(beliefs)
         for _ in range(_TRIES):
@@ -100,7 +109,9 @@ class DownwardWay:
         while True:
             limits.check()
             if limits.expired and not worker.connection.poll(_GRACE):
-                self._stop(worker)
+                if not self._stop(worker, _LONG_GRACE) and grounded:
+                    for belief in left:
+                        record(belief, unknown('the planning process hangs', crashed=True))
                 return Done(0, 0.0, 'the deadline passed')
             if not grounded and time.monotonic() > grounding_end:
                 self._stop(worker)
@@ -112,22 +123,25 @@ class DownwardWay:
                 grounded = True
                 if isinstance(message, Done | Unfitting):
                     return message
+                if isinstance(message, Refusal):
+                    raise message.error()
                 for belief, attempt in message:
                     left.pop(belief, None)
                     record(belief, attempt)
 
-    def _stop(self, worker: Worker) -> None:
-        """Bring the worker to a stop; it is ended if it takes long."""
+    def _stop(self, worker: Worker, grace: float = _GRACE) -> bool:
+        """Bring the worker to a stop; it is ended, and False returned, if it takes long."""
         worker.send(Stop())
-        end = time.monotonic() + _GRACE
+        end = time.monotonic() + grace
         try:
             while worker.connection.poll(max(0.0, end - time.monotonic())):
-                if isinstance(worker.receive(), Done | Unfitting):
-                    return
+                if isinstance(worker.receive(), Done | Unfitting | Refusal):
+                    return True
         except EOFError:
             pass
         self.close()
         self._worker = Worker(_PROGRAM)
+        return False
 
     def close(self) -> None:
         """End the worker and its searches at once."""

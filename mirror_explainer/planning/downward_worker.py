@@ -13,7 +13,7 @@ from mirror_explainer.planning.beliefs import Belief
 from mirror_explainer.planning.child import Parent
 from mirror_explainer.planning.confinement import limit_memory
 from mirror_explainer.planning.grounding import Grounding
-from mirror_explainer.planning.messages import Ask, Attempt, Done, Stop, Unfitting
+from mirror_explainer.planning.messages import Ask, Attempt, Done, Refusal, Stop, Unfitting
 from mirror_explainer.planning.pddl_lists import Lists
 from mirror_explainer.planning.searches import Searches
 from mirror_explainer.planning.subject import Subjects
@@ -36,7 +36,7 @@ class DownwardWorker:
                 limit_memory(message.memory_limit)
                 self._parent.send(self._answer(message))
 
-    def _answer(self, ask: Ask) -> Done | Unfitting:
+    def _answer(self, ask: Ask) -> Done | Unfitting | Refusal:
         def report(beliefs: Sequence[Belief], attempt: Attempt) -> None:
             self._parent.send([(belief, attempt) for belief in beliefs])
 
@@ -51,6 +51,16 @@ class DownwardWorker:
                 for beliefs, result in (pair for other in others for pair in other.settled()):
                     report(beliefs, Attempt(result))
                 searches.run(others, self._parent.fileno(), self._stopped)
+        except MemoryError:
+            return Refusal(
+                f'the problem does not fit into {ask.memory_limit} MiB',
+                'Raise planner_memory_limit.',
+            )
+        except OSError as error:  # the computer's fault, not the texts'
+            return Refusal(
+                f'planning does not get what it needs of the system: {error}',
+                'Free memory, or allow more processes and open files.',
+            )
         except (Exception, SystemExit) as error:  # whatever the translator may raise
             return Unfitting(f'{type(error).__name__}: {error}')
         return Done(searches.calls, searches.searching, way)

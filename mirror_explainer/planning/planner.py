@@ -105,15 +105,16 @@ class Planner:
                 if missing
                 else _NOTHING
             )
-            if missing and results.crashes == len(missing):
+            found = tuple(results.get(belief) for belief in beliefs)
+            nothing_known = all(result.status is Status.UNKNOWN for result in found)
+            if missing and nothing_known and results.failed.issuperset(beliefs):
                 raise PlanningError(
                     f'the planning engine "{self._engine}" failed on every belief; on the last '
                     f'one: {results.last_reason}',
                     cure='Name another engine as the planner.',
                 )
-            found = tuple(results.get(belief) for belief in beliefs)
         _log.debug('%d beliefs: %s, %d calls', len(beliefs), done.way, done.calls)
-        return PlanningReport(found, done.calls, done.way, done.searching)
+        return PlanningReport(found, done.calls, done.way, done.searching, len(results.failed))
 
     def _plan(
         self,
@@ -152,7 +153,10 @@ class Planner:
 
 
 class _Results:
-    """Results as they come in: those worth keeping go to `known`."""
+    """Results as they come in: those worth keeping go to `known`.
+
+    `failed` are the beliefs at which the engine failed.
+    """
 
     def __init__(
         self,
@@ -164,7 +168,7 @@ class _Results:
         self._unknown: dict[Belief, BeliefPlans] = {}
         self._total = total
         self._progress = progress
-        self.crashes = 0
+        self.failed: set[Belief] = set()
         self.last_reason = ''
 
     def record(self, belief: Belief, attempt: Attempt) -> None:
@@ -173,7 +177,7 @@ class _Results:
         self._unknown.pop(belief, None)
         kept = self._known if lasting else self._unknown
         kept[belief] = attempt.result
-        self.crashes += attempt.crashed
+        (self.failed.add if attempt.crashed else self.failed.discard)(belief)
         self.last_reason = attempt.result.reason
         if self._progress:
             self._progress(len(self._known) + len(self._unknown), self._total)

@@ -8,7 +8,7 @@ import selectors
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from mirror_explainer.planning.beliefs import Belief, Status
@@ -116,9 +116,14 @@ class Searches:
                 job.proves = job.left != OPTIMAL_AXIOMS
             began = time.monotonic()
             configuration = QUICK if job.reason else job.left[0]
-            search = Search(
-                self._ask.downward, job.text, configuration, self._ask.planning_timeout
-            )
+            try:
+                search = Search(
+                    self._ask.downward, job.text, configuration, self._ask.planning_timeout
+                )
+            except OSError as error:
+                reason = f'{self._ask.downward} does not start: {error.strerror}'
+                self._ended(job, Outcome(Status.UNKNOWN, reason=reason, crashed=True))
+                continue
             self.searching += time.monotonic() - began
             self.calls += 1
             self._running[search] = job
@@ -209,6 +214,10 @@ class Searches:
         job.subjects.settle(job.subject, None)
         if job.subjects.required:
             self._report(job.subject.members, attempt)
+            return
+        result = job.subjects.result(job.subject, Finding(None), attempt.result.reason)
+        if result is not None:
+            self._report(job.subject.members, replace(attempt, result=result, lasting=False))
 
     def _too_long(self) -> str:
         return f'no optimal plan within {self._ask.planning_timeout:g} s'

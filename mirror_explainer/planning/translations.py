@@ -2,22 +2,23 @@
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from mirror_explainer.planning import translator
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace
 from mirror_explainer.planning.downward import OPTIMAL, OPTIMAL_AXIOMS, OPTIMAL_CONDITIONAL
 from mirror_explainer.planning.pddl_lists import Lists
+from mirror_explainer.planning.replay import reaches_goal
 from mirror_explainer.planning.subject import Finding
 
 
 @dataclass(eq=False)
 class Single:
-    """One belief, and its actions' costs once it has been translated."""
+    """One belief, and its translation once there is one."""
 
     members: list[Belief]
     hopeless: bool = False
-    costs: dict[str, int] = field(default_factory=dict)
+    translation: translator.Translation | None = None
 
 
 class Translations:
@@ -41,18 +42,22 @@ class Translations:
     def search_input(self, single: Single) -> tuple[bytes, tuple[str, ...]]:
         """Return the input of the search, and the configurations that are optimal for it."""
         translation = translator.translate(self._lists, single.members[0], self._facts)
-        single.costs = translation.costs
+        single.translation = translation
         if translation.axioms:
             return translation.text, OPTIMAL_AXIOMS
         return translation.text, OPTIMAL_CONDITIONAL if translation.conditional else OPTIMAL
 
     def checked(self, single: Single, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the plan: the actions without the last, which stands for the goal."""
-        return tuple(actions[:-1])
+        assert single.translation is not None, 'a search is made from it'
+        works = reaches_goal(single.translation.task, actions)
+        return tuple(actions[:-1]) if works else None
 
     def cost(self, single: Single, plan: Sequence[str]) -> float:
         """Return a plan's cost, in the problem's metric."""
-        return sum(single.costs[action] for action in plan) / self._lists.scale
+        assert single.translation is not None, 'a plan is found with it'
+        costs = single.translation.costs
+        return sum(costs[action] for action in plan) / self._lists.scale
 
     def result(self, single: Single, finding: Finding, reason: str) -> BeliefPlans:
         """Return what the finding says of the belief."""

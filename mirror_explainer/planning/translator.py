@@ -44,6 +44,7 @@ _INVARIANT_SECONDS = 30
 class Translation:
     """One belief's task, translated by itself: the search's input, the costs, what it has."""
 
+    task: sas_tasks.SASTask
     text: bytes
     costs: dict[str, int]
     axioms: bool
@@ -99,6 +100,7 @@ def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation
     stream = io.StringIO()
     sas.output(stream)
     return Translation(
+        sas,
         stream.getvalue().encode(),
         {_name(operator): operator.cost for operator in sas.operators},
         bool(sas.axioms),

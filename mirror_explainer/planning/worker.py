@@ -26,11 +26,15 @@ class Worker:
     """
 
     def __init__(self, program: Path) -> None:
-        self.connection, theirs = Pipe()
+        try:
+            self.connection, theirs = Pipe()
+        except OSError as error:
+            raise _no_start(error) from error
         with theirs:
             try:
                 self._directory = Path(tempfile.mkdtemp(prefix='mirror_explainer_'))
             except OSError as error:
+                self.connection.close()
                 raise PlanningError(
                     f'there is no temporary folder to plan in: {error}',
                     cure='Free space on the disk, or set TMPDIR to a folder that can be written.',
@@ -38,11 +42,9 @@ class Worker:
             try:
                 self._process = self._start(program, theirs.fileno())
             except OSError as error:
+                self.connection.close()
                 shutil.rmtree(self._directory, ignore_errors=True)
-                raise PlanningError(
-                    f'the planning process does not start: {error}',
-                    cure='Free disk and memory, or allow more processes (ulimit -u, TasksMax).',
-                ) from error
+                raise _no_start(error) from error
 
     def _start(self, program: Path, descriptor: int) -> subprocess.Popen[bytes]:
         python_path = os.pathsep.join(map(os.path.abspath, sys.path))
@@ -101,3 +103,10 @@ class Worker:
         self._process.wait()
         self.connection.close()
         shutil.rmtree(self._directory, ignore_errors=True)
+
+
+def _no_start(error: OSError) -> PlanningError:
+    return PlanningError(
+        f'the planning process does not start: {error}',
+        cure='Free disk and memory, or allow more processes and open files (ulimit, TasksMax).',
+    )
