@@ -62,6 +62,7 @@ def diagnose(
         **_last_error(history, now),
         'inputs': state.inputs.digest,
         **_ages(inputs, surroundings, now),
+        'other servers of verbalize_plan': str(surroundings.rivals),
         **{f'publishers of {n}': str(count) for n, count in surroundings.publishers.items()},
         **_work(state, history, answer),
         'MiB of node': f'{surroundings.node_memory / 2**20:.0f}',
@@ -77,6 +78,9 @@ def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]
         return Level.ERROR, state.message, state.cure
     if state.preparation is None:
         return Level.WARN, state.message, state.cure
+    if surroundings.rivals:
+        message, cure = rivalry(surroundings.rivals)
+        return Level.WARN, f'{state.message}, but {message}', cure
     model = state.preparation.model
     silent = [name for name, count in surroundings.publishers.items() if not count]
     if silent:
@@ -95,6 +99,16 @@ def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]
             'beliefs.',
         )
     return Level.OK, state.message, ''
+
+
+def rivalry(rivals: int) -> tuple[str, str]:
+    """Return what is wrong with other servers of verbalize_plan in the namespace, and the cure."""
+    return (
+        f'{rivals} more {"node serves" if rivals == 1 else "nodes serve"} verbalize_plan here: '
+        'a call may be answered by any of them',
+        'End the other explainer, or give each a namespace or ROS_DOMAIN_ID of its own. One '
+        'that was killed is forgotten after 20 s.',
+    )
 
 
 def _last_error(history: History, now: Moment) -> dict[str, str]:

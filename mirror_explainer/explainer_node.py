@@ -4,6 +4,7 @@ import argparse
 import logging
 import os
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -23,7 +24,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
-from rclpy.logging import LoggingSeverity
+from rclpy.logging import LoggingSeverity, get_logging_directory
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -32,7 +33,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.answers import Answers, printable
-from mirror_explainer.diagnostics import diagnose
+from mirror_explainer.diagnostics import diagnose, rivalry
+from mirror_explainer.errors import with_cure
 from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.history import History, news
 from mirror_explainer.input_limits import InputLimits
@@ -75,6 +77,8 @@ class ExplainerNode(Node):
         self._waiting = threading.Semaphore(MOST_WAITING_CALLS)
         self._history = History()
         self._history_lock = threading.Lock()
+        self._service = self.resolve_service_name('verbalize_plan')
+        self._rivals = 0
 
         self._verbalization = self.create_publisher(String, '~/verbalization', LATCHED)
         self._explanation = self.create_publisher(String, '~/explanation', LATCHED)
@@ -164,7 +168,11 @@ class ExplainerNode(Node):
         self._submit()
 
     def _each_second(self) -> None:
-        """Tell how things are."""
+        """Tell how things are, and once that a caller may hear another node than this."""
+        rivals = max(0, self.count_services(self._service) - 1)
+        if rivals and not self._rivals:
+            _log.warning('%s', with_cure(*rivalry(rivals)))
+        self._rivals = rivals
         self._publish_diagnostics(self._updates.state)
         self._ros_log.log_repetitions()
 
@@ -235,7 +243,7 @@ class ExplainerNode(Node):
             state,
             self._history,
             self._inputs,
-            look_around(files, publishers),
+            look_around(files, publishers, self._rivals),
             self._answers.last,
         )
         status = DiagnosticStatus(
@@ -270,14 +278,30 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _log_fault() -> OSError | None:
+    """Return why no log file can be written, None if one can: ROS would not start without."""
+    folder = get_logging_directory()
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder):
+            return None
+    except OSError as error:
+        return error
+
+
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
     options = _parser().parse_args(remove_ros_args(args)[1:])
+    log_fault = _log_fault()
+    if log_fault:  # a full disk must not keep the node from starting
+        args = [*(sys.argv if args is None else args), '--ros-args', '--disable-external-lib-logs']
     rclpy.init(args=args)
     node = None
     executor = MultiThreadedExecutor(THREADS)
     try:
         node = ExplainerNode()
+        if log_fault:
+            _log.warning('there is no log file: %s', log_fault)
         if options.log_level:
             node.get_logger().set_level(LoggingSeverity[options.log_level.upper()])
         executor.add_node(node)

@@ -13,23 +13,29 @@ from mirror_explainer.memory import descendants, resident_memory
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Resident memory in bytes, seconds since each file was edited, publishers of each topic."""
+    """Resident memory in bytes, seconds since each file was edited, publishers of each topic.
+
+    `rivals` counts the other servers of the node's service.
+    """
 
     node_memory: int = 0
     planner_memory: int = 0
     file_ages: Mapping[str, float] = field(default_factory=dict)
     publishers: Mapping[str, int] = field(default_factory=dict)
+    rivals: int = 0
     version: str = ''
 
 
-def look_around(files: Iterable[str], publishers: Mapping[str, int]) -> Surroundings:
-    """Return how things are now, with the number of publishers of each topic."""
+def look_around(files: Iterable[str], publishers: Mapping[str, int], rivals: int) -> Surroundings:
+    """Return how things are now, with what the node sees of others in the graph."""
     node, planners = os.getpid(), sum(map(resident_memory, descendants(os.getpid())))
     ages = {}
     for file in files:
         with contextlib.suppress(OSError, ValueError):  # it is not there
             ages[file] = max(0.0, time.time() - os.stat(file).st_mtime)
-    return Surroundings(resident_memory(node), planners, ages, publishers, package_version())
+    return Surroundings(
+        resident_memory(node), planners, ages, publishers, rivals, package_version()
+    )
 
 
 @cache

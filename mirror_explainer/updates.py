@@ -21,6 +21,7 @@ from mirror_explainer.moment import Moment
 from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
 from mirror_explainer.plan_text import read_plan
 from mirror_explainer.planning import Planner
+from mirror_explainer.retries import Retries
 from mirror_explainer.text_files import TextFiles
 from mirror_explainer.user_model import read_user_model
 
@@ -101,7 +102,8 @@ class State:
     """Where things stand: `message` says it in words, `preparation` is there when READY.
 
     `inputs` are those that it is about; `cure` says what a person can do about it.
-    `since` is when it came to be so.
+    `since` is when it came to be so. `may_pass` says that the inputs are not to blame,
+    so that another attempt may go better.
     """
 
     phase: Phase
@@ -110,14 +112,17 @@ class State:
     inputs: Inputs = field(default_factory=Inputs)
     cure: str = ''
     since: Moment = field(default_factory=Moment)
+    may_pass: bool = False
 
 
 class Updates:
     """Turns the newest inputs into a Preparation, in a thread of its own.
 
-    `make_planner` is called once it is needed, and again if it failed; `on_state`
-    is called from the thread when an update is done. `close` stops the work
-    at once, ends the planner and frees everyone who waits.
+    `make_planner` is called once it is needed, and again after planning failed;
+    `on_state` is called from the thread when an update is done. What failed for
+    another reason than its inputs is tried again (`retries.py`); until that is done,
+    the state stays what it is. `close` stops the work at once, ends the planner and
+    frees everyone who waits.
     """
 
     def __init__(
@@ -133,6 +138,8 @@ class Updates:
         self._finished = (0, self._state)
         self._pending = False
         self._cut_off = 0
+        self._retrying = False
+        self._retries = Retries()
         self._settled_at = 0.0
         self._files = TextFiles()
         self._looking = threading.Lock()
@@ -185,19 +192,31 @@ class Updates:
     def wait(self, timeout: float) -> State:
         """Return what came of the inputs that are the newest now, or of newer ones.
 
-        After `timeout` seconds return the current state.
+        What failed is tried again, unless that was done just now. After `timeout`
+        seconds return the current state.
         """
         self.look_at_files()
         with self._changed:
             newest = self._submits
+            if self._state.phase is Phase.ERROR and self._retries.due_for_a_call():
+                self._retrying = True
+                self._changed.notify_all()
             if (
                 self._changed.wait_for(
-                    lambda: self._closed or self._finished[0] >= newest, timeout
+                    lambda: (
+                        self._closed or (self._finished[0] >= newest and not self._may_turn_good)
+                    ),
+                    timeout,
                 )
                 and not self._closed
             ):
                 return self._finished[1]
             return self._state
+
+    @property
+    def _may_turn_good(self) -> bool:
+        """Whether an error is being tried again."""
+        return self._retrying and self._state.phase is Phase.ERROR
 
     def close(self, timeout: float = 1.0) -> None:
         """Stop at once; wait up to `timeout` seconds for the thread to end."""
@@ -213,25 +232,28 @@ class Updates:
     def _run(self) -> None:
         with contextlib.suppress(Cancelled, PlanningError):
             self._ready_planner()  # early, so that its processes are up when they are needed
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._closed or self._pending)
-                if self._closed:
-                    return
-                self._settle()
-                self._pending = False
-                self._cancelled = cancelled = threading.Event()
-                inputs, number = self._newest, self._submits
-                self._files = TextFiles()
-            assert inputs is not None  # something is pending only after a submit
+        while (work := self._next_work()) is not None:
+            inputs, number, cancelled = work
+            began = time.monotonic()
             try:
                 state = self._state_for(inputs, cancelled)
             except Cancelled:
                 self._cut_off += 1
                 continue
             self.look_at_files()  # nothing that was half-written when read is answered from
+            took = time.monotonic() - began
             state = replace(state, inputs=self._as_read(inputs))
+            with self._changed:
+                told = state.phase is Phase.ERROR and state.message == self._state.message
+                if told:
+                    state = self._state  # it has been so since then
             if not self._finish(state, inputs, number):
+                continue
+            with self._changed:
+                self._retries = self._retries.after_failure(took) if state.may_pass else Retries()
+                self._retrying = False
+                self._changed.notify_all()
+            if told:
                 continue
             try:
                 self._on_state(state)
@@ -260,6 +282,23 @@ class Updates:
             self._changed.notify_all()
             return True
 
+    def _next_work(self) -> tuple[Inputs, int, threading.Event] | None:
+        """Wait for inputs, or for the time to try again; return None when closed."""
+        with self._changed:
+            self._changed.wait_for(
+                lambda: self._closed or self._pending or self._retrying,
+                self._retries.seconds_left(),
+            )
+            self._retrying = not self._pending
+            if self._pending:
+                self._settle()
+            if self._closed or self._newest is None:
+                return None
+            self._pending = False
+            self._cancelled = threading.Event()
+            self._files = TextFiles()
+            return self._newest, self._submits, self._cancelled
+
     def _settle(self) -> None:
         """Wait until inputs stop coming for a moment, but not for ever."""
         latest = time.monotonic() + LONGEST_SETTLING_SECONDS
@@ -277,14 +316,20 @@ class Updates:
                 return State(
                     Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
                 )
-            return State(Phase.READY, 'ready', self._prepare(inputs, cancelled))
+            preparation = self._prepare(inputs, cancelled)
+            failed = preparation.failed_beliefs > 0
+            return State(Phase.READY, 'ready', preparation, may_pass=failed)
         except NoPlanError as error:
             return State(Phase.WAITING, str(error), cure=error.cure)
-        except (InputError, PlanningError) as error:
+        except InputError as error:
             return State(Phase.ERROR, str(error), cure=error.cure or _CORRECT)
         except Cancelled:
             raise
+        except PlanningError as error:
+            self._drop_planner()
+            return State(Phase.ERROR, str(error), cure=error.cure, may_pass=True)
         except Exception as error:  # the node must outlive a fault of ours
+            self._drop_planner()
             return _internal_error(error)
 
     def _prepare(self, inputs: Inputs, cancelled: threading.Event) -> Preparation:
@@ -329,6 +374,13 @@ class Updates:
                 raise Cancelled
         return self._planner
 
+    def _drop_planner(self) -> None:
+        """End a planner that failed: the next one is made of what is installed then."""
+        with self._changed:
+            planner, self._planner = self._planner, None
+        if planner:
+            planner.close()
+
     def _read(self, domain: Text, problem: Text, limits: InputLimits) -> Task:
         """Return the task, read again only when its texts changed."""
         if self._task is None or self._task[:2] != (domain, problem):
@@ -340,7 +392,7 @@ class Updates:
 
     def _progress(self, done: int, beliefs: int) -> None:
         with self._changed:
-            if not self._pending:
+            if not self._pending and self._state.phase is Phase.WORKING:
                 message = f'planning {done} of {beliefs}'
                 self._state = replace(self._state, message=message)
 
@@ -352,7 +404,9 @@ def _stop_if(cancelled: threading.Event) -> None:
 
 def _internal_error(error: Exception) -> State:
     _log.error('where the internal error came from', exc_info=error)
-    return State(Phase.ERROR, f'internal error, please report it: {error!r}', cure=_REPORT)
+    return State(
+        Phase.ERROR, f'internal error, please report it: {error!r}', cure=_REPORT, may_pass=True
+    )
 
 
 def _check_alone(inputs: Inputs, read: Callable[[str], str]) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import rclpy
 from ament_index_python.packages import get_package_share_directory
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -51,7 +52,9 @@ class WarehouseRobot(Node):
         self._domain.publish(String(data=domain))
         self._publish()
         if period:
-            self._timer = self.create_timer(period, self._step)
+            # Not the node's clock, which stands still when the system's is set back.
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self._timer = self.create_timer(period, self._step, clock=steady)
 
     def _text(self, name: str, default: Path) -> str:
         """Return the content of the file that a parameter names."""

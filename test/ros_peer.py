@@ -6,7 +6,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
@@ -61,6 +61,7 @@ class Peer:
         self.node = Node('peer', namespace=namespace)
         self.explainer = f'{namespace}/mirror_explainer'
         self.diagnostics: list[DiagnosticStatus] = []
+        self.stamps: list[int] = []
         self._heard: dict[str, list[str]] = {}
         self._publishers: dict[tuple[str, bool], rclpy.publisher.Publisher] = {}
         self._clients: dict[str, rclpy.client.Client] = {}
@@ -77,7 +78,9 @@ class Peer:
 
     def _on_diagnostics(self, array: DiagnosticArray) -> None:
         name = f'{self.explainer.lstrip("/")}: explanation'
-        self.diagnostics += [status for status in array.status if status.name == name]
+        found = [status for status in array.status if status.name == name]
+        self.diagnostics += found
+        self.stamps += [array.header.stamp.sec] * len(found)
 
     def publish(
         self, topic: str, text: str | bytes, *, latched: bool = True, heard: bool = True
@@ -95,10 +98,11 @@ class Peer:
             eventually(publisher.get_subscription_count, f'a subscriber of {topic}')
         publisher.publish(text if isinstance(text, bytes) else String(data=text))
 
-    def publish_warehouse(self, **how: bool) -> None:
+    def publish_warehouse(self, comment: str = '', **how: bool) -> None:
+        """Publish domain, problem and plan; with a new comment they are new ones."""
         self.publish('domain', DOMAIN, **how)
-        self.publish('problem', PROBLEM, **how)
-        self.publish('plan', PLAN, **how)
+        self.publish('problem', PROBLEM + comment, **how)
+        self.publish('plan', PLAN + comment, **how)
 
     def start_call(self, service: str = 'verbalize_plan') -> 'Call':
         if service not in self._clients:
@@ -154,6 +158,9 @@ class Call:
     def done(self) -> bool:
         return self._done.is_set()
 
+    def ends_within(self, seconds: float) -> bool:
+        return self._done.wait(seconds)
+
     def result(self):
         assert self._done.wait(PATIENCE), 'no answer to the call'
         return self._future.result()
@@ -169,12 +176,15 @@ class Process:
         log: Path,
         arguments: Sequence[str] = (),
         options: Sequence[str] = (),
+        environment: Mapping[str, str] | None = None,
+        within: Sequence[str] = (),
     ) -> None:
         prefix = Path(get_package_prefix('mirror_explainer'))
         self._log = log
         with log.open('wb') as output:
             self.popen = subprocess.Popen(
                 [
+                    *within,
                     prefix / 'lib' / 'mirror_explainer' / executable,
                     *options,
                     '--ros-args',
@@ -184,6 +194,7 @@ class Process:
                 ],
                 stdout=output,
                 stderr=subprocess.STDOUT,
+                env=os.environ | (environment or {}),
                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
             )
 
@@ -237,15 +248,10 @@ def running(
     executable: str,
     namespace: str,
     folder: Path,
-    *,
-    options: Sequence[str] = (),
-    **parameters: object,
+    **how: object,
 ) -> Iterator[Process]:
-    """Run an executable of the package, end it afterwards, and show its log if a test fails.
-
-    `options` are its own ones, not those of ROS.
-    """
-    with started(executable, namespace, folder, options=options, **parameters) as process:
+    """Run an executable as `started` does, and show its log if a test fails."""
+    with started(executable, namespace, folder, **how) as process:
         try:
             yield process
         finally:
@@ -259,12 +265,19 @@ def started(
     folder: Path,
     *,
     options: Sequence[str] = (),
+    environment: Mapping[str, str] | None = None,
+    within: Sequence[str] = (),
     **parameters: object,
 ) -> Iterator[Process]:
-    """Run an executable of the package with these parameters, and end it afterwards."""
+    """Run an executable of the package with these parameters, and end it afterwards.
+
+    `options` are its own ones, not those of ROS; `environment` has what is added to
+    the variables, `within` is a command that runs it.
+    """
     given = {name: value for name, value in parameters.items() if value != ''}
     arguments = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
-    process = Process(executable, namespace, folder / f'{executable}.log', arguments, options)
+    log = folder / f'{executable}.log'
+    process = Process(executable, namespace, log, arguments, options, environment, within)
     try:
         yield process
     finally:

@@ -97,6 +97,8 @@ class Search:
         if code in _OUT_OF_MEMORY:
             return Outcome(Status.UNKNOWN, reason='the search ran out of memory')
         how = f'was ended by signal {-code}' if code < 0 else f'ended with code {code}'
+        if code in _SOLVED:
+            how = 'gave no whole plan'
         return Outcome(Status.UNKNOWN, reason=f'downward {how}', crashed=True)
 
     def kill(self) -> None:

@@ -7,6 +7,7 @@ translator; the searches are processes of its own group.
 from collections.abc import Sequence
 from dataclasses import replace
 
+from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning import translator
 from mirror_explainer.planning.alternatives import Alternatives
 from mirror_explainer.planning.beliefs import Belief
@@ -51,6 +52,8 @@ class DownwardWorker:
                 for beliefs, result in (pair for other in others for pair in other.settled()):
                     report(beliefs, Attempt(result))
                 searches.run(others, self._parent.fileno(), self._stopped)
+        except PlanningError as error:
+            return Refusal(str(error), error.cure)
         except MemoryError:
             return Refusal(
                 f'the problem does not fit into {ask.memory_limit} MiB',

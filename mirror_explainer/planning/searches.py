@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
 from mirror_explainer.planning.downward import OPTIMAL_AXIOMS, QUICK, Outcome, Search
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
@@ -21,6 +22,9 @@ _RESERVE = 0.25
 _LONGEST_RESERVE = 5.0
 
 _NEAR = 'the deadline was near'
+
+# When so many searches have failed, and none has not, no more are tried.
+_MOST_FAILURES = 10
 
 Report = Callable[[Sequence[Belief], Attempt], None]
 
@@ -56,13 +60,16 @@ class Searches:
         self._hurry = self._end - min(_RESERVE * ask.seconds, _LONGEST_RESERVE)
         self._queue: deque[_Job] = deque()
         self._running: dict[Search, _Job] = {}
+        self._failures = 0
+        self._all_failed = True
         self.calls = 0
         self.searching = 0.0
 
     def run(self, all_subjects: Sequence[Subjects], other: int, heard: Callable[[], bool]) -> bool:
         """Plan for all subjects, until the deadline, or `heard` once `other` is readable.
 
-        Returns whether neither came before the end.
+        Returns whether neither came before the end. Raises PlanningError when the
+        program fails at whatever it is asked.
         """
         with selectors.DefaultSelector() as selector:
             selector.register(other, selectors.EVENT_READ)
@@ -186,6 +193,7 @@ class Searches:
             plan = job.subjects.checked(job.subject, outcome.actions)
             if plan is None:
                 outcome = Outcome(Status.UNKNOWN, (), 'downward gave a wrong plan', True)
+        self._count(outcome)
         if outcome.status is Status.UNSOLVABLE and job.reason and not job.proves:
             outcome = Outcome(Status.UNKNOWN, reason='a quick search found no plan')
         if outcome.status is not Status.UNKNOWN:
@@ -200,6 +208,16 @@ class Searches:
         else:
             job.subject.hopeless = True
             self._begin_stand_in(job, outcome.reason)
+
+    def _count(self, outcome: Outcome) -> None:
+        """Count failures; raise PlanningError when that is all there is."""
+        self._failures += outcome.crashed
+        self._all_failed &= outcome.crashed
+        if self._all_failed and self._failures >= _MOST_FAILURES:
+            raise PlanningError(
+                f'the planner fails at whatever it is asked: {outcome.reason}',
+                cure=f'See what is wrong with {self._ask.downward}, or name another planner.',
+            )
 
     def _settle(self, job: _Job, finding: Finding) -> None:
         job.subjects.settle(job.subject, finding)

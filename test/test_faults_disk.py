@@ -1,0 +1,136 @@
+"""What happens when the disk is full: on a small one of the test's own."""
+
+import contextlib
+import itertools
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+
+from ros_peer import THREE_SENTENCES, Peer, Process, explainer, new_namespace
+
+from faults import FaultTable, injected
+
+pytestmark = pytest.mark.usefixtures('ros')
+needs_disk = pytest.mark.skipif(
+    subprocess.run(['unshare', '-rm', 'true'], capture_output=True).returncode != 0,
+    reason='needs a mount namespace of its own',
+)
+
+
+@pytest.fixture
+def peer() -> Iterator[Peer]:
+    """A peer in a namespace of its own, so that no test hears another."""
+    peer = Peer(new_namespace())
+    yield peer
+    peer.close()
+
+
+class Disk:
+    """A disk of 64 KiB that only one process and its children have."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / 'disk'
+        self.path.mkdir()
+        self.environment = {'TMPDIR': str(self.path), 'ROS_LOG_DIR': str(self.path / 'log')}
+
+    def within(self, first: str = 'true') -> list[str]:
+        """Return the command that runs another one with this disk, after a first one."""
+        mount = f'mount -t tmpfs -o size=64k,nr_inodes=64 none {self.path} && cd {self.path}'
+        return ['unshare', '-rm', 'sh', '-c', f'{mount} && {first}; exec "$0" "$@"']
+
+    def _seen_by(self, node: Process) -> Path:
+        return Path(f'/proc/{node.popen.pid}/root{self.path}')
+
+    def fill(self, node: Process) -> None:
+        """Use up all space, and all names."""
+        folder = self._seen_by(node)
+        with (
+            contextlib.suppress(OSError),
+            (folder / 'full').open('wb', buffering=0) as file,
+        ):
+            while True:
+                file.write(bytes(4096))
+        with contextlib.suppress(OSError):
+            for number in itertools.count():
+                (folder / str(number)).touch()
+
+
+def kill_planning_processes(node: Process) -> None:
+    """Kill those that lead a session of their own."""
+    for pid in node.descendants():
+        if os.getsid(pid) == pid:
+            os.kill(pid, signal.SIGKILL)
+
+
+@needs_disk
+def test_a_disk_that_fills_up_keeps_nobody_from_an_answer(
+    peer: Peer, tmp_path: Path, fault_table: FaultTable
+) -> None:
+    disk = Disk(tmp_path)
+    with explainer(peer, tmp_path, environment=disk.environment, within=disk.within()) as node:
+        peer.publish_warehouse()
+        peer.answer()
+        disk.fill(node)
+        peer.publish('plan', 'nonsense')
+        failure = peer.failure('nonsense')
+        kill_planning_processes(node)
+        peer.publish_warehouse(comment='; again')
+        answer = peer.answer()
+    fault_table.add('disk full: temporary files, log', 'the answer', 'OK', None)
+
+    assert failure
+    assert answer == THREE_SENTENCES
+
+
+def test_a_temporary_folder_that_is_gone_is_told_when_a_process_has_to_be_started(
+    peer: Peer, tmp_path: Path, fault_table: FaultTable
+) -> None:
+    folder = tmp_path / 'temporary'
+    folder.mkdir()
+    with explainer(peer, tmp_path, environment={'TMPDIR': str(folder)}) as node:
+        peer.publish_warehouse()
+        peer.answer()
+
+        def inject() -> None:
+            shutil.rmtree(folder)
+            kill_planning_processes(node)
+            peer.publish_warehouse(comment='; again')
+
+        _, answer = injected(
+            fault_table,
+            peer,
+            'temporary folder gone, planning process killed',
+            inject,
+            'there is no temporary folder to plan in: [Errno 2] No such file or directory',
+            folder.mkdir,
+        )
+
+    assert answer == THREE_SENTENCES
+
+
+@needs_disk
+def test_the_node_starts_on_a_full_disk_without_a_log_file(
+    peer: Peer, tmp_path: Path, fault_table: FaultTable
+) -> None:
+    disk = Disk(tmp_path)
+    full = 'head -c 1M /dev/zero > full; seq 99 | xargs touch'
+    with explainer(
+        peer,
+        tmp_path,
+        environment=disk.environment,
+        within=disk.within(f'{{ {full}; }} 2>/dev/null'),
+    ) as node:
+        peer.publish_warehouse()
+        answer = peer.answer()
+        log = node.log
+    fault_table.add('disk full at the start', 'the answer', 'OK; no log file', None)
+
+    assert answer == THREE_SENTENCES
+    assert 'there is no log file' in log
