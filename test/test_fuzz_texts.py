@@ -38,7 +38,7 @@ LAMPS = """\
   (:types lamp - thing switch - thing)
   (:constants main - switch)
   (:predicates (lit ?l - lamp) (wired ?s - switch ?l - lamp) (power)
-    (near ?t - (either lamp switch)))
+    (near ?t - thing))
   (:functions (total-cost) - number (watts ?l - lamp) - number)
   (:action press
     :parameters (?s - switch ?l - lamp)
@@ -212,12 +212,10 @@ def test_a_task_is_refused_with_a_place_or_is_what_unified_planning_reads(
             read = read_task(domain, problem, 'domain', 'problem', LIMITS)
             assert read.goal_text.startswith('(')
             goal_expression(read.model, read.goal_text)
-            check_plan(read, (), 'plan', LIMITS)
     except InputError as error:
         text = {'domain': domain, 'problem': problem}.get(error.source, '')
         require_told_well(error, text)
         return
-    assert is_valid(read, ()) or read.axioms
     if not re.search('derived|durative|either|total-time', domain + problem, re.IGNORECASE):
         plain = plain_reading(domain, problem)
         assert plain is not None
