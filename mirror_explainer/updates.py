@@ -181,8 +181,9 @@ class Updates:
             self._cancelled.set()
         elif not self._pending:
             seconds = SECONDS_TO_FINISH * 2 ** (self._cut_off - 1)
-            stop = threading.Timer(seconds, self._cancelled.set)
-            stop.daemon = True
+            stop = threading.Thread(
+                target=_set_after, args=(seconds, self._cancelled), daemon=True
+            )
             stop.start()
         self._pending = True
         self._settled_at = max(self._settled_at, time.monotonic() + settling)
@@ -240,6 +241,8 @@ class Updates:
             except Cancelled:
                 self._cut_off += 1
                 continue
+            finally:
+                cancelled.set()  # whoever would stop the work need not wait any more
             self.look_at_files()  # nothing that was half-written when read is answered from
             took = time.monotonic() - began
             state = replace(state, inputs=self._as_read(inputs))
@@ -400,6 +403,11 @@ class Updates:
 def _stop_if(cancelled: threading.Event) -> None:
     if cancelled.is_set():
         raise Cancelled
+
+
+def _set_after(seconds: float, event: threading.Event) -> None:
+    event.wait(seconds)
+    event.set()
 
 
 def _internal_error(error: Exception) -> State:

@@ -27,7 +27,7 @@ NAMESPACE = f'/soak_{os.getpid()}'
 BURST = 10
 RATE = 100.0  # Hz
 # The first rounds, in which the node starts its threads, and takes the memory that it needs.
-WARM_UP = 20
+WARM_UP = 10
 MANY = 60
 # What memory may grow by from the warm-up to the end, as a share of itself.
 GROWTH = 0.05
