@@ -56,6 +56,8 @@ def soak(folder: Path, rounds: int) -> Iterator[tuple[Usage, Verdict]]:
     ):
         peer.publish('domain', DOMAIN)
         robot = RobotStream(peer)
+        robot.send()
+        peer.answer()
         for number in range(rounds):
             callers.start('verbalize_plan', BURST if number else MANY, calls=1)
             robot.send_many(BURST, RATE)
