@@ -26,7 +26,9 @@ class Surroundings:
     version: str = ''
 
 
-def look_around(files: Iterable[str], publishers: Mapping[str, int], rivals: int) -> Surroundings:
+def look_around(
+    files: Iterable[str], publishers: Mapping[str, int], rivals: int = 0
+) -> Surroundings:
     """Return how things are now, with what the node sees of others in the graph."""
     node, planners = os.getpid(), sum(map(resident_memory, descendants(os.getpid())))
     ages = {}
