@@ -32,17 +32,18 @@ from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from mirror_explainer.answers import Answers, printable
-from mirror_explainer.diagnostics import diagnose, rivalry
 from mirror_explainer.errors import with_cure
 from mirror_explainer.explainer import STRATEGIES
-from mirror_explainer.history import History, news
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.parameters import PARAMETERS
+from mirror_explainer.node.answers import Answers, printable
+from mirror_explainer.node.diagnostics import diagnose, rivalry
+from mirror_explainer.node.history import History, news
+from mirror_explainer.node.parameters import PARAMETERS
+from mirror_explainer.node.ros_log import RosLog
+from mirror_explainer.node.state import Inputs, Phase, State, Text
+from mirror_explainer.node.surroundings import look_around, package_version
+from mirror_explainer.node.updates import Updates
 from mirror_explainer.planning import Planner
-from mirror_explainer.ros_log import RosLog
-from mirror_explainer.surroundings import look_around, package_version
-from mirror_explainer.updates import Inputs, Phase, State, Text, Updates
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)

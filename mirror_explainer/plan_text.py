@@ -12,8 +12,8 @@ from unified_planning.plans import ActionInstance
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl import Task, atom_text, conjuncts, ground_text
-from mirror_explainer.pddl_size import instances
-from mirror_explainer.simulation import Run, can_simulate, carry_out
+from mirror_explainer.pddl.simulation import Run, can_simulate, carry_out
+from mirror_explainer.pddl.size import instances
 from mirror_explainer.text_files import plain_text
 
 _NUMBER = r'\d+(?:\.\d*)?(?:e[+-]?\d+)?'

@@ -13,14 +13,14 @@ from pathlib import Path
 import pytest
 from conftest import WAREHOUSE
 
-from mirror_explainer.diagnostics import Diagnosis, Level, diagnose
 from mirror_explainer.explainer import Explanation, Preparation, explain, prepare, robot_plan
-from mirror_explainer.history import History, news
-from mirror_explainer.moment import Moment
+from mirror_explainer.node.diagnostics import Diagnosis, Level, diagnose
+from mirror_explainer.node.history import History, news
+from mirror_explainer.node.moment import Moment
+from mirror_explainer.node.state import Inputs, Phase, State, Text
+from mirror_explainer.node.surroundings import Surroundings, look_around, package_version
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
-from mirror_explainer.surroundings import Surroundings, look_around, package_version
-from mirror_explainer.updates import Inputs, Phase, State, Text
 from mirror_explainer.user_model import read_user_model
 
 WAITING = State(Phase.WAITING, 'waiting for plan (topic)', cure='Start the robot.')

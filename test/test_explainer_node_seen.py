@@ -22,7 +22,7 @@ from ros_peer import (
     running,
 )
 
-from mirror_explainer.surroundings import package_version
+from mirror_explainer.node.surroundings import package_version
 
 pytestmark = pytest.mark.usefixtures('ros')
 

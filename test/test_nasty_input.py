@@ -11,8 +11,8 @@ from pddl_cases import TOOLS_DOMAIN, TOOLS_PROBLEM, WAREHOUSE_DOMAIN, WAREHOUSE_
 from mirror_explainer.errors import LONGEST_MESSAGE, InputError, one_line
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl import Task, read_task, require_definition
-from mirror_explainer.pddl_size import require_few
-from mirror_explainer.pddl_state import without_plain_facts
+from mirror_explainer.pddl.size import require_few
+from mirror_explainer.pddl.state import without_plain_facts
 from mirror_explainer.plan_text import check_plan, read_plan
 from mirror_explainer.prior import belief_prior
 from mirror_explainer.sentences import Sentences, action_parameters

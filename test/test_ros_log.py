@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from mirror_explainer.ros_log import MOST_NEWS, NEWS_PERIOD, QUIET, Repetitions, RosLog
+from mirror_explainer.node.ros_log import MOST_NEWS, NEWS_PERIOD, QUIET, Repetitions, RosLog
 
 
 class Lines:

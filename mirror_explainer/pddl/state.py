@@ -13,8 +13,8 @@ import unified_planning.model as up
 from unified_planning.exceptions import UPException
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.pddl_expressions import Expressions
-from mirror_explainer.pddl_sections import line_at, section, without_comments
+from mirror_explainer.pddl.expressions import Expressions
+from mirror_explainer.pddl.sections import line_at, section, without_comments
 
 _NAME = r'[a-z][a-z0-9_-]*'
 # Not "(= (total-cost) 0)": the reader needs it to recognise action costs.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import unified_planning.model as up
 
-from mirror_explainer.datalog import Atom, Fact, Rule
+from mirror_explainer.pddl.datalog import Atom, Fact, Rule
 
 # Names of predicates that the rules need besides the domain's; none clashes with a PDDL name.
 _EQUAL, _TYPE, _PART, _NEVER = '=', 'type:', 'part:', 'never:'

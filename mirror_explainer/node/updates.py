@@ -5,23 +5,21 @@ and whoever needs an answer waits here for the work to end.
 """
 
 import contextlib
-import hashlib
 import logging
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from enum import Enum
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.moment import Moment
+from mirror_explainer.node.retries import Retries
+from mirror_explainer.node.state import Inputs, Phase, State, Text
 from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
 from mirror_explainer.plan_text import read_plan
 from mirror_explainer.planning import Planner
-from mirror_explainer.retries import Retries
 from mirror_explainer.text_files import TextFiles
 from mirror_explainer.user_model import read_user_model
 
@@ -41,78 +39,6 @@ _START = (
 )
 _CORRECT = 'Correct it there: a new message, or the changed file, is taken up by itself.'
 _REPORT = 'Report it with the log and the inputs; the next input is tried all the same.'
-
-
-@dataclass(frozen=True)
-class Text:
-    """A text from outside, the file or topic that it came from, and when."""
-
-    text: str
-    source: str
-    heard: Moment = field(default_factory=Moment, compare=False, repr=False)
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """The newest of everything that an explanation is made from, None where nothing came yet.
-
-    `domain_file` stands in for a domain that was not heard; `files_revision` is
-    another one after each change of the files that are read.
-    """
-
-    domain: Text | None = None
-    domain_file: str = ''
-    problem: Text | None = None
-    plan: Text | None = None
-    user_model_file: str = ''
-    files_revision: object = None
-    max_beliefs: int = 1024
-    plans_per_belief: int = 300
-    deadline: float | None = None
-    limits: InputLimits = field(default_factory=InputLimits)
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """What has to come before there is anything to explain."""
-        present = {
-            'domain (topic, or parameter domain_file)': self.domain or self.domain_file,
-            'problem (topic)': self.problem,
-            'plan (topic)': self.plan,
-            'user model (parameter user_model_file)': self.user_model_file,
-        }
-        return tuple(name for name, value in present.items() if not value)
-
-    @cached_property
-    def digest(self) -> str:
-        """A short text that is the same for equal inputs, also in another process."""
-        return hashlib.blake2b(repr(self).encode(), digest_size=8).hexdigest()
-
-
-class Phase(Enum):
-    """What the updates are doing."""
-
-    WAITING = 'waiting'
-    WORKING = 'planning'
-    READY = 'ready'
-    ERROR = 'error'
-
-
-@dataclass(frozen=True)
-class State:
-    """Where things stand: `message` says it in words, `preparation` is there when READY.
-
-    `inputs` are those that it is about; `cure` says what a person can do about it.
-    `since` is when it came to be so. `may_pass` says that the inputs are not to blame,
-    so that another attempt may go better.
-    """
-
-    phase: Phase
-    message: str
-    preparation: Preparation | None = None
-    inputs: Inputs = field(default_factory=Inputs)
-    cure: str = ''
-    since: Moment = field(default_factory=Moment)
-    may_pass: bool = False
 
 
 class Updates:

@@ -20,9 +20,9 @@ from unified_planning.exceptions import UPException
 from unified_planning.io.pddl_writer import ConverterToPDDLString
 from unified_planning.model.metrics import MinimizeActionCosts, MinimizeSequentialPlanLength
 
-from mirror_explainer.derived import Axioms
 from mirror_explainer.errors import InputError
-from mirror_explainer.pddl_sections import (
+from mirror_explainer.pddl.derived import Axioms
+from mirror_explainer.pddl.sections import (
     line_at,
     section,
     sections,

@@ -14,11 +14,11 @@ from typing import Any
 
 import unified_planning.model as up
 
-from mirror_explainer.axiom_rules import Axiom, AxiomRules, is_made_up
-from mirror_explainer.datalog import ExplosionError, Fact, Program, UnstratifiedError
 from mirror_explainer.errors import InputError
-from mirror_explainer.pddl_expressions import Expressions, nested_words
-from mirror_explainer.pddl_sections import blanked, line_at, section, sections, without_comments
+from mirror_explainer.pddl.axiom_rules import Axiom, AxiomRules, is_made_up
+from mirror_explainer.pddl.datalog import ExplosionError, Fact, Program, UnstratifiedError
+from mirror_explainer.pddl.expressions import Expressions, nested_words
+from mirror_explainer.pddl.sections import blanked, line_at, section, sections, without_comments
 
 _DERIVED = ':derived'
 _REQUIREMENT = re.compile(r':(?:derived-predicates|domain-axioms)(?![\w-])', re.IGNORECASE)

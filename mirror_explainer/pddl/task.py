@@ -14,12 +14,12 @@ from unified_planning import environment
 from unified_planning.exceptions import UPException
 from unified_planning.io import PDDLReader
 
-from mirror_explainer.derived import Axioms, read_axioms, without_axioms
-from mirror_explainer.either_types import with_common_supertypes
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.pddl_expressions import NESTED, Expressions, as_text, nested_words
-from mirror_explainer.pddl_sections import (
+from mirror_explainer.pddl.derived import Axioms, read_axioms, without_axioms
+from mirror_explainer.pddl.either_types import with_common_supertypes
+from mirror_explainer.pddl.expressions import NESTED, Expressions, as_text, nested_words
+from mirror_explainer.pddl.sections import (
     require_readable,
     section,
     types_in_alternatives,
@@ -27,9 +27,9 @@ from mirror_explainer.pddl_sections import (
     without_costs,
     without_total_time,
 )
-from mirror_explainer.pddl_size import require_few, require_shallow, require_steady_numbers
-from mirror_explainer.pddl_state import add_facts, without_plain_facts
-from mirror_explainer.sequential import is_durative, require_fixed_durations, sequential_texts
+from mirror_explainer.pddl.sequential import is_durative, require_fixed_durations, sequential_texts
+from mirror_explainer.pddl.size import require_few, require_shallow, require_steady_numbers
+from mirror_explainer.pddl.state import add_facts, without_plain_facts
 from mirror_explainer.text_files import plain_text
 
 # What unified-planning's reader raises for a text that is no good, besides a bare

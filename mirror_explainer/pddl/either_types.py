@@ -7,7 +7,7 @@ the two and the one type that is above both.
 import re
 from collections.abc import Collection, Iterator, Mapping
 
-from mirror_explainer.pddl_sections import blanked, section, sections, without_comments
+from mirror_explainer.pddl.sections import blanked, section, sections, without_comments
 
 _EITHER = re.compile(r'\(\s*either\b([^()]*)\)', re.IGNORECASE)
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from mirror_explainer.errors import with_cure
-from mirror_explainer.moment import Moment
-from mirror_explainer.updates import Phase, State
+from mirror_explainer.node.moment import Moment
+from mirror_explainer.node.state import Phase, State
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from mirror_explainer.explainer import Explanation
-from mirror_explainer.history import History
-from mirror_explainer.moment import Moment
-from mirror_explainer.surroundings import Surroundings
-from mirror_explainer.updates import Inputs, Phase, State
+from mirror_explainer.node.history import History
+from mirror_explainer.node.moment import Moment
+from mirror_explainer.node.state import Inputs, Phase, State
+from mirror_explainer.node.surroundings import Surroundings
 
 # Characters that a value has at most: they are read in a table.
 _LONGEST = 500

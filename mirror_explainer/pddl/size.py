@@ -9,7 +9,7 @@ from unified_planning.model.walkers.linear_checker import LinearChecker
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.pddl_sections import line_at, section, without_comments
+from mirror_explainer.pddl.sections import line_at, section, without_comments
 
 # unified-planning's reader and Python's own stack end some levels deeper.
 DEEPEST = 40

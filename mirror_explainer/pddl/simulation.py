@@ -13,7 +13,7 @@ from unified_planning.exceptions import UPConflictingEffectsException, UPInvalid
 from unified_planning.model import State
 from unified_planning.plans import ActionInstance
 
-from mirror_explainer.pddl import Task
+from mirror_explainer.pddl.task import Task
 
 
 @dataclass(frozen=True)

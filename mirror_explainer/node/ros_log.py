@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from mirror_explainer.answers import printable
+from mirror_explainer.node.answers import printable
 
 # Seconds until repetitions are told; then twice as long each time, up to the longest.
 FIRST_INTERVAL = 10.0

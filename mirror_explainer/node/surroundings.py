@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-from mirror_explainer.memory import descendants, resident_memory
+from mirror_explainer.node.memory import descendants, resident_memory
 
 
 @dataclass(frozen=True)

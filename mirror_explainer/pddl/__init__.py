@@ -1,0 +1,27 @@
+"""PDDL texts in: tasks, their atoms and goals, and the states that actions lead to."""
+
+from mirror_explainer.pddl.task import (
+    Task,
+    atom_text,
+    conjuncts,
+    fluent_expression,
+    forget_expressions,
+    goal_expression,
+    ground_text,
+    literals,
+    read_task,
+    require_definition,
+)
+
+__all__ = [
+    'Task',
+    'atom_text',
+    'conjuncts',
+    'fluent_expression',
+    'forget_expressions',
+    'goal_expression',
+    'ground_text',
+    'literals',
+    'read_task',
+    'require_definition',
+]
