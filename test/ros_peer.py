@@ -1,5 +1,6 @@
 """What the node's tests need: the built node as a real process, and a peer that talks to it."""
 
+import contextlib
 import itertools
 import os
 import signal
@@ -13,6 +14,7 @@ from pathlib import Path
 import rclpy
 from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rcl_interfaces.srv import ListParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -65,6 +67,7 @@ class Peer:
         self._heard: dict[str, list[str]] = {}
         self._publishers: dict[tuple[str, bool], rclpy.publisher.Publisher] = {}
         self._clients: dict[str, rclpy.client.Client] = {}
+        self._parameters: AsyncParameterClient | None = None
         self.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self.node)
@@ -107,9 +110,24 @@ class Peer:
     def start_call(self, service: str = 'verbalize_plan') -> 'Call':
         if service not in self._clients:
             self._clients[service] = self.node.create_client(Trigger, service)
+            assert self._clients[service].wait_for_service(PATIENCE), f'{service} is not served'
+            self._wait_until_known()
         client = self._clients[service]
         assert client.wait_for_service(PATIENCE), f'{service} is not served'
         return Call(client.call_async(Trigger.Request()))
+
+    def _wait_until_known(self) -> None:
+        """Wait until the explainer knows the clients made so far: to others it sends no reply.
+
+        Clients become known in the order in which they were made, so one more is made here,
+        which calls until it gets a reply.
+        """
+        client = self.node.create_client(ListParameters, f'{self.explainer}/list_parameters')
+        assert client.wait_for_service(PATIENCE)
+        eventually(
+            lambda: Call(client.call_async(ListParameters.Request())).ends_within(1.0),
+            'a reply to a new client',
+        )
 
     def call(self, service: str = 'verbalize_plan') -> Trigger.Response:
         return self.start_call(service).result()
@@ -130,10 +148,12 @@ class Peer:
         return response.message
 
     def set_parameters(self, **values: object) -> list[tuple[bool, str]]:
-        client = AsyncParameterClient(self.node, self.explainer)
-        assert client.wait_for_services(PATIENCE)
+        if self._parameters is None:
+            self._parameters = AsyncParameterClient(self.node, self.explainer)
+            assert self._parameters.wait_for_services(PATIENCE)
+            self._wait_until_known()
         parameters = [Parameter(name, value=value) for name, value in values.items()]
-        results = Call(client.set_parameters(parameters)).result().results
+        results = Call(self._parameters.set_parameters(parameters)).result().results
         return [(result.successful, result.reason) for result in results]
 
     def hear(self, topic: str) -> list[str]:
@@ -215,6 +235,15 @@ class Process:
         while more := {pid for pid, parent in parents.items() if parent in found} - found:
             found |= more
         return found - {self.popen.pid}
+
+    def session_leaders(self) -> set[int]:
+        """Return those of them that lead a session: the planning processes."""
+        leaders = set()
+        for pid in self.descendants():
+            with contextlib.suppress(ProcessLookupError):
+                if os.getsid(pid) == pid:
+                    leaders.add(pid)
+        return leaders
 
     def stop(self, number: signal.Signals = signal.SIGTERM) -> int:
         """Send the signal, and return the exit status."""

@@ -63,10 +63,8 @@ class Disk:
 
 
 def kill_planning_processes(node: Process) -> None:
-    """Kill those that lead a session of their own."""
-    for pid in node.descendants():
-        if os.getsid(pid) == pid:
-            os.kill(pid, signal.SIGKILL)
+    for pid in node.session_leaders():
+        os.kill(pid, signal.SIGKILL)
 
 
 @needs_disk

@@ -216,11 +216,6 @@ def searches(node: Process) -> set[int]:
     return {pid for pid in node.descendants() if name_of(pid) == 'downward'}
 
 
-def workers(node: Process) -> set[int]:
-    """Return the planning processes: those that lead a session."""
-    return {pid for pid in node.descendants() if os.getsid(pid) == pid}
-
-
 def kill_all(find: Callable[[], set[int]], what: str) -> None:
     for pid in eventually(find, what):
         with contextlib.suppress(ProcessLookupError):
@@ -257,7 +252,11 @@ def test_killed_searches_and_workers_are_replaced_and_no_wrong_answer_comes(
 
         for fault, find, message in (
             ('search killed in mid-search, again and again', searches, 'ended by signal 9'),
-            ('planning process killed in mid-work, again and again', workers, 'died more'),
+            (
+                'planning process killed in mid-work, again and again',
+                Process.session_leaders,
+                'died more',
+            ),
         ):
             _, answer = injected(
                 fault_table,
@@ -268,7 +267,7 @@ def test_killed_searches_and_workers_are_replaced_and_no_wrong_answer_comes(
                 lambda: publish(*easy),
             )
             assert answer == '\n'.join(f'I will {s.strip("()")}.' for s in easy[1].split('\n'))
-        kill_all(lambda: workers(node), 'an idle planning process')
+        kill_all(lambda: node.session_leaders(), 'an idle planning process')
         killed = time.monotonic()
         publish(easy[0] + '; again', easy[1])
         again = peer.answer()

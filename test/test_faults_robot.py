@@ -191,6 +191,7 @@ def test_a_clock_that_is_set_back_keeps_no_message_diagnostic_or_edit_from_being
         robot(peer, tmp_path, environment=jumping, step_period=0.5),
     ):
         peer.answer()
+        eventually(lambda: peer.stamps, 'a state told today')
         clock.write_text('-2d')
         eventually(
             lambda: peer.stamps[-1] < peer.stamps[0] - 86_400, 'a state told the day before'
