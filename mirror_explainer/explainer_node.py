@@ -114,7 +114,6 @@ class ExplainerNode(Node):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         files = MutuallyExclusiveCallbackGroup()  # a file system may be slow to answer
         self.create_timer(1.0, self._each_second, files, steady)
-        self.create_timer(0.5, self._updates.look_at_files, files, steady)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._submit()
 
@@ -169,7 +168,8 @@ class ExplainerNode(Node):
         self._submit()
 
     def _each_second(self) -> None:
-        """Tell how things are, and once that a caller may hear another node than this."""
+        """Notice edited files; tell how things are, and that a caller may hear another node."""
+        self._updates.look_at_files()
         rivals = max(0, self.count_services(self._service) - 1)
         if rivals and not self._rivals:
             _log.warning('%s', with_cure(*rivalry(rivals)))
@@ -308,7 +308,7 @@ def main(args: Sequence[str] | None = None) -> None:
         executor.add_node(node)
         while rclpy.ok():
             # Not `spin`: a signal that comes just before it waits would not wake it.
-            executor.spin_once(timeout_sec=0.2)
+            executor.spin_once(timeout_sec=0.5)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ParameterException as error:

@@ -224,7 +224,7 @@ def _empty_service() -> Iterator[None]:
     try:
         yield
     finally:
-        process.terminate()
+        process.kill()  # `spin` may miss a milder signal
         process.wait()
 
 

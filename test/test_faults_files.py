@@ -13,7 +13,9 @@ from ros_peer import (
     THREE_SENTENCES,
     USER_MODEL,
     Peer,
+    eventually,
     explainer,
+    last_diagnostic,
     new_namespace,
 )
 
@@ -126,6 +128,16 @@ def hyps(peer: Peer, model_path: Path) -> Iterator[Path]:
     model_path.write_text(MODEL)
     peer.set_parameters(n=3)
     assert peer.call().message == THREE_SENTENCES
+
+
+def test_an_edit_is_noticed_although_nobody_calls(peer: Peer, tmp_path: Path) -> None:
+    user_model = tmp_path / 'user_model.yaml'
+    user_model.write_text(MODEL)
+    with explainer(peer, tmp_path, user_model_file=user_model):
+        peer.publish_warehouse()
+        peer.answer()
+        user_model.unlink()
+        eventually(lambda: 'cannot be read' in last_diagnostic(peer)['message'], 'the fault told')
 
 
 def test_an_edit_of_the_file_of_candidates_is_noticed(peer: Peer, hyps: Path) -> None:
