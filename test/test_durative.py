@@ -156,6 +156,15 @@ def test_no_name_changes_not_even_one_that_is_a_word_of_pddl() -> None:
     assert atom_text(fluent_expression(task.model, '(START At)')) == '(start at)'
 
 
+def test_a_name_may_be_followed_by_a_keyword_without_a_space() -> None:
+    domain = re.sub(r'(:durative-action \S+)\s+:parameters', r'\1:parameters', DOMAIN, count=1)
+    assert domain != DOMAIN
+
+    task = read_task(domain, PROBLEM)
+
+    assert task == read_task(DOMAIN, PROBLEM)
+
+
 def test_what_was_read_can_be_read_again() -> None:
     once = read_task(DOMAIN, PROBLEM)
 

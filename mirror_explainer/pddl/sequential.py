@@ -123,7 +123,7 @@ def _durative_actions(domain: str) -> Iterator[tuple[str, int, int]]:
     plain = without_comments(domain)
     for part in sections(domain):
         if part.keyword == _DURATIVE:
-            words = re.match(r'\(\s*\S+\s+([^\s()]+)', plain[part.start : part.end])
+            words = re.match(r'\(\s*\S+\s+([^\s():]+)', plain[part.start : part.end])
             yield words[1].lower() if words else '', part.start, part.end
 
 
