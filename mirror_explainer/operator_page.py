@@ -71,7 +71,8 @@ class OperatorPage(Node):
             String, f'{explainer}/explanation', self._on_explanation, LATCHED
         )
         self.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)
-        self._verbalize = self.create_client(Trigger, 'verbalize_plan')
+        namespace = self._name.rpartition('/')[0]
+        self._verbalize = self.create_client(Trigger, f'{namespace}/verbalize_plan')
         self._forget = self.create_client(Trigger, f'{explainer}/forget')
         self._get = self.create_client(GetParameters, f'{explainer}/get_parameters')
         self._set = self.create_client(

@@ -49,16 +49,20 @@ class TextFiles:
 
     def __init__(self) -> None:
         self._seen: dict[str, object] = {}
+        self._overtaken = False
 
     def read(self, path: str, limits: InputLimits | None = None) -> str:
         """Read a text file as `read_text` does."""
-        self._seen[path] = _stamp(path)  # before reading: what is written meanwhile must show
+        stamp = _stamp(path)  # before reading: what is written meanwhile must show
+        self._overtaken |= self._seen.get(path, stamp) != stamp
+        self._seen[path] = stamp
         return read_text(path, limits)
 
     def changed(self) -> bool:
-        """Say whether a file differs from when it was read, or last looked at here."""
+        """Say whether a file differs from when it was first read, or last looked at here."""
         now = {path: _stamp(path) for path in list(self._seen)}
-        changed = any(self._seen[path] != stamp for path, stamp in now.items())
+        changed = self._overtaken or any(self._seen[path] != stamp for path, stamp in now.items())
+        self._overtaken = False
         self._seen |= now
         return changed
 

@@ -84,3 +84,15 @@ def test_what_one_supertype_does_not_express_is_refused(change: tuple[str, str])
 
     with pytest.raises(InputError, match=r'line \d+: no one type stands for "\(either'):
         read_task(DOMAIN.replace(*change, 1), PROBLEM)
+
+
+def test_an_either_among_the_types_themselves_is_refused_as_it_was_written() -> None:
+    domain = (
+        '(define (domain d) (:requirements :typing) (:types a b - (either c d) c d - object)'
+        ' (:predicates (p ?x - a) (g))'
+        ' (:action m :parameters (?x - (either a b)) :precondition (p ?x) :effect (g)))'
+    )
+    problem = '(define (problem q) (:domain d) (:objects o - a) (:init (p o)) (:goal (g)))'
+
+    with pytest.raises(InputError, match=r'\(either c d\)'):
+        read_task(domain, problem)

@@ -173,9 +173,12 @@ class Updates:
             took = time.monotonic() - began
             state = replace(state, inputs=self._as_read(inputs))
             with self._changed:
-                told = state.phase is Phase.ERROR and state.message == self._state.message
+                told = state.phase is Phase.ERROR and (
+                    state.message == self._state.message  # it has been so since then
+                    or (state.may_pass and self._state.phase is Phase.READY)  # another attempt
+                )
                 if told:
-                    state = self._state  # it has been so since then
+                    state = self._state
             if not self._finish(state, inputs, number):
                 continue
             with self._changed:
@@ -221,11 +224,11 @@ class Updates:
             self._retrying = not self._pending
             if self._pending:
                 self._settle()
+                self._files = TextFiles()  # another attempt keeps what the last answer rests on
             if self._closed or self._newest is None:
                 return None
             self._pending = False
             self._cancelled = threading.Event()
-            self._files = TextFiles()
             return self._newest, self._submits, self._cancelled
 
     def _settle(self) -> None:

@@ -44,7 +44,10 @@ def _parents(domain: str) -> dict[str, str]:
     types = section(domain, ':types')
     if not types:
         return {}
-    words = without_comments(domain)[types.start : types.end].lower().strip('()').split()[1:]
+    text = without_comments(domain)[types.start : types.end].lower()
+    if text.count('(') > 1:
+        return {}  # an (either …) among the types themselves is not read
+    words = text.strip('()').split()[1:]
     parents: dict[str, str] = {}
     names: list[str] = []
     rest = iter(words)

@@ -52,5 +52,7 @@ class Parent:
 
 def end_group() -> None:
     """End this worker and all it started, and remove its private directory."""
-    shutil.rmtree(os.getcwd(), ignore_errors=True)
-    os.killpg(0, signal.SIGKILL)
+    try:
+        shutil.rmtree(os.environ['TMPDIR'], ignore_errors=True)
+    finally:
+        os.killpg(0, signal.SIGKILL)

@@ -52,10 +52,17 @@ class Search:
 
     def __init__(self, binary: str, task: bytes, configuration: str, seconds: float) -> None:
         self.since = time.monotonic()
-        self._plan = os.memfd_create('plan')
-        self._end, their_end = os.pipe()
-        task_file = os.memfd_create('task')
-        try:
+        with contextlib.ExitStack() as on_failure, contextlib.ExitStack() as in_the_end:
+
+            def closed(stack: contextlib.ExitStack, descriptor: int) -> int:
+                stack.callback(os.close, descriptor)
+                return descriptor
+
+            self._plan = closed(on_failure, os.memfd_create('plan'))
+            task_file = closed(in_the_end, os.memfd_create('task'))
+            ends = os.pipe()
+            self._end = closed(on_failure, ends[0])
+            their_end = closed(in_the_end, ends[1])
             with open(task_file, 'wb', closefd=False) as stream:
                 stream.write(task)
             os.lseek(task_file, 0, os.SEEK_SET)
@@ -68,14 +75,8 @@ class Search:
                 env={},
                 pass_fds=[self._plan, their_end],
             )
-            limit_search(self._process.pid, seconds)
-        except BaseException:
-            os.close(self._plan)
-            os.close(self._end)
-            raise
-        finally:
-            os.close(task_file)
-            os.close(their_end)
+            on_failure.pop_all()
+        limit_search(self._process.pid, seconds)
 
     def fileno(self) -> int:
         """Return a descriptor that becomes readable when the process ends."""

@@ -5,6 +5,7 @@ page elsewhere cannot reach this one by a name that it lets point here (DNS rebi
 """
 
 import argparse
+import contextlib
 import ipaddress
 import re
 import secrets
@@ -77,7 +78,10 @@ def _names(host: str) -> list[str]:
     if not any(ipaddress.ip_address(found).is_unspecified for found in _addresses(host)):
         return [_in_url(host)]
     own = socket.gethostname().lower()
-    return [_outgoing(), *map(_in_url, _addresses(own)), own, f'{own}.local', *_LOOPBACK]
+    numbers: list[str] = []
+    with contextlib.suppress(socket.gaierror):  # not every machine can look itself up
+        numbers = _addresses(own)
+    return [_outgoing(), *map(_in_url, numbers), own, f'{own}.local', *_LOOPBACK]
 
 
 def _addresses(host: str) -> list[str]:
