@@ -13,9 +13,8 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-from ros_peer import THREE_SENTENCES, Peer, Process, explainer, new_namespace
-
 from faults import FaultTable, injected
+from ros_peer import THREE_SENTENCES, Peer, Process, explainer, new_namespace
 
 pytestmark = pytest.mark.usefixtures('ros')
 needs_disk = pytest.mark.skipif(

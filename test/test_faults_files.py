@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
+from faults import FaultTable, injected
 from ros_peer import (
     THREE_SENTENCES,
     USER_MODEL,
@@ -18,8 +19,6 @@ from ros_peer import (
     last_diagnostic,
     new_namespace,
 )
-
-from faults import FaultTable, injected
 
 pytestmark = pytest.mark.usefixtures('ros')
 

@@ -14,6 +14,7 @@ import pytest
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
 import sliding_tiles
+from faults import FaultTable, injected
 from ros_peer import (
     THREE_SENTENCES,
     Peer,
@@ -25,7 +26,6 @@ from ros_peer import (
     new_namespace,
 )
 
-from faults import FaultTable, injected
 from mirror_explainer.planning.downward import find_downward
 
 pytestmark = pytest.mark.usefixtures('ros')

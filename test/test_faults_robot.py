@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
+from faults import FaultTable, diagnosed
 from ros_peer import (
     CONFIG,
     PLAN,
@@ -23,8 +24,6 @@ from ros_peer import (
     new_namespace,
     running,
 )
-
-from faults import FaultTable, diagnosed
 
 pytestmark = pytest.mark.usefixtures('ros')
 
