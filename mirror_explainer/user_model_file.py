@@ -68,10 +68,15 @@ _CONTROL = re.compile('[\0-\x08\x0e-\x1b\x7f-\x84\x86-\x9f\ud800-\udfff]')
 
 @dataclass(frozen=True)
 class Fault:
-    """Something wrong, with the keys and indices that lead to it in the YAML."""
+    """Something wrong, with the keys and indices that lead to it in the YAML.
+
+    `line` (from 1) is where it stands, None where the path says so. It need not: of equal keys
+    the path means the last.
+    """
 
     path: tuple[str | int, ...]
     reason: str
+    line: int | None = None
 
 
 def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
@@ -148,12 +153,14 @@ def text_faults(root: yaml.Node) -> Iterator[Fault]:
             for key, value in node.value:
                 waiting += [((*path, key.value), key), ((*path, key.value), value)]
                 if key.value in keys:
-                    yield Fault((*path, key.value), f'the key "{key.value}" stands here twice')
+                    reason = f'the key "{key.value}" stands here twice'
+                    yield Fault((*path, key.value), reason, _row(key))
                 elif isinstance(key, yaml.ScalarNode):
                     keys.add(key.value)
         elif found := _CONTROL.search(node.value):
             character = f'U+{ord(found[0]):04X}'
-            yield Fault(path, f'this text has a character that is no text: {character}')
+            reason = f'this text has a character that is no text: {character}'
+            yield Fault(path, reason, _row(node))
 
 
 def schema_reason(detail: Mapping[str, Any]) -> str:
@@ -179,7 +186,7 @@ def schema_reason(detail: Mapping[str, Any]) -> str:
 
 def report(faults: Sequence[Fault], root: yaml.Node) -> tuple[str, int | None]:
     """Return all faults as one sentence in the order of the file, and the line of a single one."""
-    lines = sorted({(_line(root, fault.path), _named(fault)) for fault in faults})
+    lines = sorted({(fault.line or _line(root, fault.path), _named(fault)) for fault in faults})
     if len(lines) == 1:
         return lines[0][1], lines[0][0]
     listed = '; '.join(f'line {line}: {reason}' for line, reason in lines)

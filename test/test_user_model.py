@@ -175,6 +175,12 @@ FAULTS = {
         3,
         'rationality: the key "rationality" stands here twice',
     ),
+    'a fault in the first of two lists with one key': (
+        'goals:\n- {goal: (charged)}\n- {goal: "\\e[1m"}\ngoals: [{goal: (charged)}]',
+        None,
+        '2 faults: line 3: goals[1].goal: this text has a character that is no text: U+001B; '
+        'line 4: goals: the key "goals" stands here twice',
+    ),
     'a fact twice': (
         GOAL + 'uncertain_facts:\n- {fact: (charged), probability: 0.5}\n'
         'one_of:\n- facts:\n    ( CHARGED ): 1\n    (item-at blue_cube doors): 1',
