@@ -3,8 +3,7 @@
 import re
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 
 from hypothesis import strategies as st
 
@@ -22,27 +21,33 @@ _NUMBER = st.integers(0, 9999)
 
 
 class Watch:
-    """Runs readers one after the other, and knows the slowest run in seconds."""
+    """Runs readers one after the other; knows how many texts they took, and the slowest run."""
 
     def __init__(self) -> None:
         self.cases = 0
-        self.slowest = 0.0
+        self.taken = 0
+        self.slowest = 0.0  # s of processor time
         self.slowest_text = ''
 
-    @contextmanager
-    def over(self, text: str) -> Iterator[None]:
-        """Raise TimeoutError in the middle of what runs here for too long."""
+    def over(self, text: str, read: Callable[[], bool]) -> None:
+        """Let a text be read; raise TimeoutError in the middle of what takes too long."""
         signal.signal(signal.SIGALRM, _too_long)
         signal.setitimer(signal.ITIMER_REAL, LIMIT)
         started = time.thread_time()
         try:
-            yield
+            self.taken += read()
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0)
-            took = time.thread_time() - started
-            self.cases += 1
-            if took > self.slowest:
-                self.slowest, self.slowest_text = took, text
+        took = time.thread_time() - started
+        self.cases += 1
+        if took > self.slowest:
+            self.slowest, self.slowest_text = took, text
+
+    def __str__(self) -> str:
+        return (
+            f'{self.cases} texts, {self.taken} taken, '
+            f'the slowest in {self.slowest:.3f} s: {self.slowest_text!r}'
+        )
 
 
 def _too_long(*_: object) -> None:
