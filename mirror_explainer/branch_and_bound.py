@@ -30,14 +30,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mirror_explainer.columns import LARGEST_EXPONENT, Columns, Floats, Ints, exp
-from mirror_explainer.scores import ROUNDING, Scores
+from mirror_explainer.bounds import leading_copies, tangents
+from mirror_explainer.columns import ROUNDING, TIE, Booleans, Columns, Floats, Ints, exp
+from mirror_explainer.scores import Scores
 
-Booleans = NDArray[np.bool_]
-
-TIE = 1e-9  # nats; gains that differ by less are equal
 TANGENT_ROUNDS = 3
 ROOT_ROUNDS = 15
 CELLS_OPEN = 10_000_000  # nodes × hypotheses kept while not going deep
@@ -114,9 +111,7 @@ class Search:
         self._except = np.full_like(start, -1) if other_than is None else other_than
         self._turn = 0
         self._ratio = np.exp(columns.log_ratio)
-        self._lacking = np.isneginf(columns.log_ratio)
         self._coefficients = np.vstack([columns.cost, columns.hits])
-        self._first_copy = np.cumsum(columns.copies) - columns.copies
         self._at_once = max(1, CELLS_AT_ONCE // max(1, columns.hits.size))
         n = int(start.sum())
         missing = n - int(taken.sum())
@@ -158,7 +153,7 @@ class Search:
             else:
                 nodes, rank, width = self._ranked(nodes, self.scores)
                 yield from self._within_limits(self._filled(nodes, rank))
-                following = np.minimum(self._first_copy + nodes.taken, rank.shape[1] - 1)
+                following = np.minimum(self.columns.first_copy + nodes.taken, rank.shape[1] - 1)
                 self._expand(nodes, (np.take_along_axis(rank, following, axis=1), width))
 
     def _next(self) -> int:
@@ -203,7 +198,9 @@ class Search:
     def _filled(self, nodes: Nodes, rank: Ints) -> Ints:
         """Complete every node by its first copies in rank, as counts (B, T)."""
         leading = rank < nodes.missing
-        return nodes.taken + np.add.reduceat(leading, self._first_copy, axis=1, dtype=np.int64)
+        return nodes.taken + np.add.reduceat(
+            leading, self.columns.first_copy, axis=1, dtype=np.int64
+        )
 
     def _with_last(self, nodes: Nodes) -> Iterator[Completion]:
         """Complete every node by its one missing sentence: all of them at once."""
@@ -231,7 +228,7 @@ class Search:
         """
         missing, every = nodes.missing, np.arange(len(nodes))
         unhit = exp(nodes.log_weight + self.columns.least[:, missing])  # (B, K)
-        hitters = (nodes.left > 0) @ self._lacking.T.astype(float)  # (B, K)
+        hitters = (nodes.left > 0) @ self.columns.lacking.T.astype(float)  # (B, K)
         floor = np.where(hitters == 0, unhit, 0.0).sum(axis=1)
         allowed = self.columns.copy < nodes.left[:, self.columns.sentence]
         lower, total, marginal = self._bound(nodes, allowed, unhit)
@@ -240,24 +237,16 @@ class Search:
         rank, width = leading_copies(
             marginal, allowed, missing, total * (1 - ROUNDING) - self.limit
         )
-        rank = rank[:, self._first_copy]
+        rank = rank[:, self.columns.first_copy]
         if by_score is not None:
             narrower = by_score[1] < width
             rank = np.where(narrower[:, None], by_score[0], rank)
             width = np.where(narrower, by_score[1], width)
         branch = (rank < width[:, None]) & (nodes.left > 0)  # (B, T) the witness sets
 
-        slack = np.maximum(self.limit - floor, ROUNDING)[:, None]
-        urgency = np.minimum(1.0, unhit / slack)
-        effort = np.divide(
-            hitters,
-            urgency,
-            out=np.full_like(hitters, np.inf),
-            where=(hitters > 0) & (urgency > 0),
-        )
-        hypothesis = effort.argmin(axis=1)
-        split = effort[every, hypothesis] < branch.sum(axis=1)
-        hitting = self._lacking[hypothesis] & (nodes.left > 0)
+        hypothesis, effort = self._easiest_hit(unhit, hitters, floor)
+        split = effort < branch.sum(axis=1)
+        hitting = self.columns.lacking[hypothesis] & (nodes.left > 0)
         branch = np.where(split[:, None], hitting, branch)
 
         alive = lower <= self.limit
@@ -272,10 +261,35 @@ class Search:
                     np.maximum(lower, floor + unhit[every, hypothesis])[spared],
                 )
             )
-        branch &= alive[:, None]
-        order = np.argsort(np.where(branch, rank, allowed.shape[1]), axis=1, kind='stable')
+        self._open.append(self._children(nodes, branch & alive[:, None], rank, lower))
+
+    def _easiest_hit(self, unhit: Floats, hitters: Floats, floor: Floats) -> tuple[Ints, Floats]:
+        """The hypothesis (B,) that few sentences hit and that weighs much, and what it takes (B,).
+
+        `unhit` (B, K) is what each leaves of F without a hit, `hitters` (B, K) how many
+        sentences hit it, `floor` (B,) what none can hit.
+        """
+        slack = np.maximum(self.limit - floor, ROUNDING)[:, None]
+        urgency = np.minimum(1.0, unhit / slack)
+        effort = np.divide(
+            hitters,
+            urgency,
+            out=np.full_like(hitters, np.inf),
+            where=(hitters > 0) & (urgency > 0),
+        )
+        hypothesis = effort.argmin(axis=1)
+        return hypothesis, effort[np.arange(len(effort)), hypothesis]
+
+    def _children(self, nodes: Nodes, branch: Booleans, rank: Ints, lower: Floats) -> Nodes:
+        """Take each of the sentences `branch` (B, T) in turn, in order of rank (B, T).
+
+        What an earlier child took, a later one must not take any more: no set is met twice.
+        """
+        every = np.arange(len(nodes))[:, None]
+        last = rank.max(initial=0) + 1
+        order = np.argsort(np.where(branch, rank, last), axis=1, kind='stable')
         place = np.empty_like(order)
-        place[every[:, None], order] = np.arange(order.shape[1])
+        place[every, order] = np.arange(order.shape[1])
         node, nth = np.nonzero(np.arange(order.shape[1]) < branch.sum(axis=1)[:, None])
         chosen = order[node, nth]
         child = np.arange(len(node))
@@ -283,14 +297,12 @@ class Search:
         taken = nodes.taken[node]
         left[child, chosen] -= 1
         taken[child, chosen] += 1
-        self._open.append(
-            Nodes(
-                missing - 1,
-                nodes.log_weight[node] + self.columns.log_ratio.T[chosen],
-                left,
-                taken,
-                lower[node],
-            )
+        return Nodes(
+            nodes.missing - 1,
+            nodes.log_weight[node] + self.columns.log_ratio.T[chosen],
+            left,
+            taken,
+            lower[node],
         )
 
     def _bound(
@@ -334,43 +346,3 @@ class Search:
             if not len(rows):
                 break
         return lower, total, marginal
-
-
-def tangents(
-    ceiling: Floats,
-    unhit: Floats,
-    cost: Floats,
-    spared: Booleans,
-) -> tuple[Floats, Floats]:
-    """Height and slope of the tangents to `ceiling` · exp(−x) at x = `cost`; all (B, K).
-
-    A flat one at `unhit`, the least value without a hit, where that is
-    higher; none at all for hypotheses that are not `spared` from being hit.
-    """
-    cost = np.clip(cost, 0.0, LARGEST_EXPONENT)
-    slope = np.where(spared, ceiling * np.exp(-cost), 0.0)
-    flat = spared & (unhit > slope)
-    return np.where(flat, unhit, slope * (1.0 + cost)), np.where(flat, 0.0, slope)
-
-
-def leading_copies(
-    score: Floats,
-    allowed: Booleans,
-    missing: int,
-    required: Floats,
-) -> tuple[Ints, Ints]:
-    """Rank the copies by score, and count the leading ones of which a set must have one.
-
-    `score` has shape (B, P) or (P,), `allowed` (B, P). Sets of `missing` copies without
-    any of the leading ones cannot bring the `required` (B,) sum of scores.
-    Returns the ranks (B, P) and the numbers of leading copies (B,).
-    """
-    each = np.arange(len(allowed))[:, None]
-    order = np.argsort(np.where(allowed, -score, np.inf), axis=1, kind='stable')
-    rank = np.empty_like(order)
-    rank[each, order] = np.arange(order.shape[1])
-    running = np.zeros((len(order), order.shape[1] + 1))
-    np.cumsum(np.where(allowed, score, 0.0)[each, order], axis=1, out=running[:, 1:])
-    window = running[:, missing:] - running[:, :-missing]  # the best set from each rank on
-    full = np.arange(window.shape[1]) <= allowed.sum(axis=1)[:, None] - missing
-    return rank, ((window >= required[:, None]) & full).sum(axis=1)

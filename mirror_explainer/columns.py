@@ -5,13 +5,17 @@ however small the robot's own weight.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
 
+TIE = 1e-9  # nats; gains that differ by less are equal
+ROUNDING = 1e-12  # relative; sums of differences are not trusted beyond this
 LARGEST_EXPONENT = 600.0  # exp of more would leave no room for sums
 
 
@@ -26,7 +30,7 @@ class Columns:
     log_weight: Floats  # (K,) log w_k
     log_ratio: Floats  # (K, T) log r_k(s), −inf where the sentence is not in plan k
     single_gain: Floats  # (T,) information gain of the sentence alone, nats
-    columns: tuple[tuple[int, ...], ...]  # T × the columns that say this sentence, ascending
+    places: tuple[tuple[int, ...], ...]  # T × the columns that say this sentence, ascending
     copies: Ints  # (T,) how many these are
     sentence: Ints  # (P,) the sentence of each copy
     copy: Ints  # (P,) 0 for a sentence's first copy, 1 for its second, ...
@@ -44,10 +48,10 @@ class Columns:
         with np.errstate(divide='ignore'):
             log_weight, log_ratio = np.log(weight), np.log(distinct)
         single_gain = -log_sum(log_weight[:, None] + log_ratio)
-        columns = [np.flatnonzero(sentence_of == t) for t in range(len(single_gain))]
-        order = sorted(range(len(columns)), key=lambda t: (-single_gain[t], columns[t][0]))
+        places = [np.flatnonzero(sentence_of == t) for t in range(len(single_gain))]
+        order = sorted(range(len(places)), key=lambda t: (-single_gain[t], places[t][0]))
         log_ratio, single_gain = log_ratio[:, order], single_gain[order]
-        copies = np.array([len(columns[t]) for t in order], dtype=np.int64)
+        copies = np.array([len(places[t]) for t in order], dtype=np.int64)
 
         sentence = np.repeat(np.arange(len(order)), copies)
         copy = np.arange(len(sentence)) - (np.cumsum(copies) - copies)[sentence]
@@ -60,7 +64,7 @@ class Columns:
             log_weight=log_weight,
             log_ratio=log_ratio,
             single_gain=single_gain,
-            columns=tuple(tuple(int(c) for c in columns[t]) for t in order),
+            places=tuple(tuple(int(c) for c in places[t]) for t in order),
             copies=copies,
             sentence=sentence,
             copy=copy,
@@ -73,13 +77,27 @@ class Columns:
     @property
     def sentence_of(self) -> dict[int, int]:
         """The sentence of every column of the evidence, in plan order."""
-        return dict(sorted((c, t) for t, of in enumerate(self.columns) for c in of))
+        return dict(sorted((c, t) for t, of in enumerate(self.places) for c in of))
+
+    @cached_property
+    def lacking(self) -> Booleans:
+        """Where plan k lacks the sentence, shape (K, T)."""
+        return np.isneginf(self.log_ratio)
+
+    @cached_property
+    def first_copy(self) -> Ints:
+        """The place of each sentence's first copy among the P copies, shape (T,)."""
+        return np.cumsum(self.copies) - self.copies
+
+    @cached_property
+    def _finite(self) -> Floats:
+        """log r_k(s), 0 where plan k lacks the sentence, shape (K, T)."""
+        return np.where(self.lacking, 0.0, self.log_ratio)
 
     def log_products(self, counts: Ints) -> Floats:
         """log w_k ∏_{i∈o} r_k(s_i), shape (..., K), of sets given as counts (..., T)."""
-        hit = counts @ np.isneginf(self.log_ratio).T > 0
-        finite = np.where(np.isneginf(self.log_ratio), 0.0, self.log_ratio)
-        return np.where(hit, -np.inf, self.log_weight + counts @ finite.T)
+        hit = counts @ self.lacking.T > 0
+        return np.where(hit, -np.inf, self.log_weight + counts @ self._finite.T)
 
     def log_value(self, counts: Ints) -> float:
         """log F of a set given as counts (T,)."""

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from mirror_explainer.columns import Columns
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning import BeliefPlans, Plan, Status
 from mirror_explainer.prior import Prior
@@ -50,6 +51,11 @@ class Evidence:
     prior: Array
     ratio: Array
     positions: NDArray[np.int64]
+
+    @cached_property
+    def columns(self) -> Columns:
+        """The positions as a search sees them."""
+        return Columns.of(self.prior, self.ratio)
 
     def information_gain(self, columns: Sequence[int]) -> float:
         """IG(o) = −log Σ_k w_k ∏_{i∈o} r_k(s_i), in nats (Eq. 3), o given as column indices."""

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mirror_explainer.columns import Columns, Floats, Ints, exp
+from mirror_explainer.columns import ROUNDING, Columns, Floats, Ints, exp
 
 MULTIPLIER_ROUNDS = 50
-ROUNDING = 1e-12  # relative; sums of differences are not trusted beyond this
 
 
 @dataclass(frozen=True)
@@ -80,5 +79,5 @@ class Scores:
         needed[order[:n]] = score[:n] - score[n] > spare
         possible[order[:n]] = 1
         possible[order[n:]] = score[n - 1] - score[n:] <= spare
-        first = np.cumsum(columns.copies) - columns.copies
+        first = columns.first_copy
         return np.add.reduceat(needed, first), np.add.reduceat(possible, first)

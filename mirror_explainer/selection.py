@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mirror_explainer.branch_and_bound import TIE, Search
-from mirror_explainer.columns import Columns, Ints, exp, log_sum
+from mirror_explainer.branch_and_bound import Search
+from mirror_explainer.columns import ROUNDING, TIE, Columns, Ints, exp, log_sum
 from mirror_explainer.mirror_model import Evidence
-from mirror_explainer.scores import ROUNDING, Scores
+from mirror_explainer.scores import Scores
 
 
 @dataclass(frozen=True)
@@ -57,9 +57,8 @@ def most_informative(evidence: Evidence, n: int, budget: float | None = None) ->
     equally informative selection with more telling single sentences exist.
     """
     deadline = _deadline(budget)
-    columns = _columns(evidence)
     n = min(max(n, 0), len(evidence.positions))
-    return _select(evidence, columns, _greedy(columns, n), deadline)
+    return _select(evidence, _greedy(evidence.columns, n), deadline)
 
 
 def curve(evidence: Evidence, budget: float | None = None) -> tuple[Selection, ...]:
@@ -68,8 +67,7 @@ def curve(evidence: Evidence, budget: float | None = None) -> tuple[Selection, .
     The `budget` in seconds is for all together; every size gets an equal part
     of what the smaller ones left over.
     """
-    columns = _columns(evidence)
-    return tuple(_select_all(evidence, columns, len(evidence.positions), budget))
+    return tuple(_select_all(evidence, len(evidence.positions), budget))
 
 
 def smallest_sufficient(
@@ -85,12 +83,9 @@ def smallest_sufficient(
     1e-9, should that be less. Without such a selection of `at_most`
     positions, it is the most informative one of that size.
     """
-    columns = _columns(evidence)
-    everything = -columns.log_value(columns.copies)
+    everything = -evidence.columns.log_value(evidence.columns.copies)
     size = min(at_most, len(evidence.positions))
-    return first_sufficient(
-        _select_all(evidence, columns, size, budget), required_gain, everything
-    )
+    return first_sufficient(_select_all(evidence, size, budget), required_gain, everything)
 
 
 def first_sufficient(
@@ -121,19 +116,14 @@ def decreasing(evidence: Evidence, n: int) -> Selection:
 
 def informative_order(evidence: Evidence) -> tuple[Step, ...]:
     """All positions one at a time, each the best given those before it (Table 1)."""
-    columns = _columns(evidence)
-    unused = [list(of_sentence) for of_sentence in columns.columns]
+    unused = [list(of_sentence) for of_sentence in evidence.columns.places]
     steps = []
     gain = 0.0
-    for sentence, gain_with in _greedy(columns, len(evidence.positions)):
+    for sentence, gain_with in _greedy(evidence.columns, len(evidence.positions)):
         position = int(evidence.positions[unused[sentence].pop(0)])
         steps.append(Step(position, gain_with - gain))
         gain = gain_with
     return tuple(steps)
-
-
-def _columns(evidence: Evidence) -> Columns:
-    return Columns.of(evidence.prior, evidence.ratio)
 
 
 def _deadline(budget: float | None) -> float:
@@ -141,21 +131,21 @@ def _deadline(budget: float | None) -> float:
     return math.inf if budget is None else time.monotonic() + 0.9 * budget
 
 
-def _selection(evidence: Evidence, columns: Columns, counts: Ints, gap: float) -> Selection:
+def _selection(evidence: Evidence, counts: Ints, gap: float) -> Selection:
     """The lowest positions that say every sentence as often as `counts` (T,) has it."""
     said = sorted(
         column
-        for of_sentence, count in zip(columns.columns, counts, strict=True)
+        for of_sentence, count in zip(evidence.columns.places, counts, strict=True)
         for column in of_sentence[:count]
     )
     positions = tuple(int(evidence.positions[column]) for column in said)
-    return Selection(positions, -columns.log_value(counts), gap)
+    return Selection(positions, -evidence.columns.log_value(counts), gap)
 
 
 def _baseline(evidence: Evidence, said: range) -> Selection:
     """Say the columns `said`; the gap is to a bound that needs no search."""
-    columns = _columns(evidence)
-    counts = np.array([len(set(c) & set(said)) for c in columns.columns], dtype=np.int64)
+    columns = evidence.columns
+    counts = np.array([len(set(c) & set(said)) for c in columns.places], dtype=np.int64)
     log_value = columns.log_value(counts)
     gap = max(0.0, log_value - columns.log_floor(len(said)))
     positions = tuple(int(evidence.positions[column]) for column in sorted(said))
@@ -179,7 +169,7 @@ def _greedy(columns: Columns, n: int) -> list[tuple[int, float]]:
         left = used < columns.copies
         tied = left & (gain >= gain[left].max() - TIE)
         tied &= columns.single_gain >= columns.single_gain[tied].max() - TIE
-        best = min(np.flatnonzero(tied), key=lambda t: columns.columns[t][used[t]])
+        best = min(np.flatnonzero(tied), key=lambda t: columns.places[t][used[t]])
         used[best] += 1
         log_weight = log_weight + columns.log_ratio[:, best]
         order.append((int(best), float(gain[best])))
@@ -213,13 +203,9 @@ def _swapped(columns: Columns, counts: Ints, limit: float | None = None) -> Ints
             log_value = columns.log_value(counts)
 
 
-def _select(
-    evidence: Evidence,
-    columns: Columns,
-    greedy: list[tuple[int, float]],
-    deadline: float,
-) -> Selection:
+def _select(evidence: Evidence, greedy: list[tuple[int, float]], deadline: float) -> Selection:
     """Find the optimum as large as the greedy start, then settle the ties."""
+    columns = evidence.columns
     counts = np.bincount([sentence for sentence, _ in greedy], minlength=len(columns.copies))
     if 0 < len(greedy) < len(evidence.positions):
         counts, gap = _optimum(columns, _swapped(columns, counts), deadline)
@@ -227,18 +213,16 @@ def _select(
             counts = _settled(columns, counts, deadline)
     else:
         gap = 0.0
-    return _selection(evidence, columns, counts, gap)
+    return _selection(evidence, counts, gap)
 
 
-def _select_all(
-    evidence: Evidence, columns: Columns, largest: int, budget: float | None
-) -> Iterator[Selection]:
+def _select_all(evidence: Evidence, largest: int, budget: float | None) -> Iterator[Selection]:
     """The selections of 0, 1, ... `largest` positions, with equal parts of what time is left."""
     deadline = _deadline(budget)
-    greedy = _greedy(columns, largest)
+    greedy = _greedy(evidence.columns, largest)
     for n in range(largest + 1):
         part = (deadline - time.monotonic()) / (largest + 1 - n)
-        yield _select(evidence, columns, greedy[:n], time.monotonic() + part)
+        yield _select(evidence, greedy[:n], time.monotonic() + part)
 
 
 def _optimum(columns: Columns, start: Ints, deadline: float) -> tuple[Ints, float]:

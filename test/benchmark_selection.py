@@ -8,6 +8,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -116,7 +117,7 @@ def test_six_of_36_beside_enumeration(benchmark, report, seed):
     """C(36, 6) = 1,947,792 combinations."""
     evidence = plans(seed, actions=36)
 
-    ours = benchmark(most_informative, evidence, 6)
+    ours = benchmark(lambda: most_informative(replace(evidence), 6))  # nothing tabulated before
 
     started = time.perf_counter()
     gain = as_written(evidence, 6)
@@ -151,12 +152,12 @@ def test_any_n_of_100_actions_against_100_hypotheses(benchmark, report, name, po
         found = {}
         for n in range(1, 101):
             started = time.perf_counter()
-            selection = most_informative(evidence, n, budget=0.5)
+            selection = most_informative(replace(evidence), n, budget=0.5)
             found[n] = (time.perf_counter() - started, selection)
         return found
 
     single = every()
-    benchmark.pedantic(curve, args=(evidence, 10.0), rounds=1)
+    benchmark.pedantic(curve, args=(replace(evidence), 10.0), rounds=1)
 
     times = sorted(t for t, _ in single.values())
     slow = [n for n, (t, _) in single.items() if t > 0.1]

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from mirror_explainer.branch_and_bound import TIE
+from mirror_explainer.columns import TIE
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.extras import MissingExtras, require_extras

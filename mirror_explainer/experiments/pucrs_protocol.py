@@ -14,7 +14,7 @@ from random import Random
 
 import numpy as np
 
-from mirror_explainer.branch_and_bound import TIE
+from mirror_explainer.columns import TIE
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.ground_actions import distances_to_goal, ground_action
 from mirror_explainer.experiments.pucrs_dataset import Location, RecognitionProblem
