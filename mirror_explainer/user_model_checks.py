@@ -1,6 +1,7 @@
 """What of a user model only the domain can tell: whether it has its goals, facts and actions."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,19 @@ from mirror_explainer.sentences import Template, template_faults
 from mirror_explainer.user_model_file import Fault, GoalEntry
 
 
+@dataclass(frozen=True)
+class _Candidate:
+    """A candidate goal, and where it stands: a path in the YAML, and a line of another file.
+
+    `entry` is None where the schema, which reports that, finds it malformed.
+    """
+
+    path: tuple[str | int, ...]
+    text: str
+    entry: GoalEntry | None
+    where: str = ''
+
+
 def candidate_goals(
     data: Mapping[str, Any], path: Path, task: Task | None, read: Callable[[str], str]
 ) -> tuple[list[GoalEntry], list[Fault]]:
@@ -19,54 +33,75 @@ def candidate_goals(
 
     `path` is the user model's own.
     """
+    candidates: list[_Candidate] = []
     faults: list[Fault] = []
-    placed: list[tuple[tuple[str | int, ...], str, GoalEntry]] = []
     if ('goals' in data) == ('hyps_file' in data):
         faults.append(Fault((), 'give the candidate goals either as "goals" or as "hyps_file"'))
     if isinstance(data.get('goals'), list):
-        for index, entry in enumerate(data['goals']):
-            try:
-                placed.append((('goals', index), '', GoalEntry.model_validate(entry)))
-            except ValidationError:  # the whole file's validation reports it
-                text = entry.get('goal') if isinstance(entry, dict) else None
-                if isinstance(text, str) and text.strip():
-                    faults += _expression_faults(task, text, ('goals', index, 'goal'))
+        candidates = list(_listed(data['goals']))
     elif isinstance(data.get('hyps_file'), str) and data['hyps_file'].strip():
         hypotheses = path.parent / data['hyps_file']
         try:
-            lines = read(str(hypotheses)).split('\n')
+            candidates = list(_lines_of(hypotheses, read))
         except InputError as error:
             return [], [*faults, Fault(('hyps_file',), str(error))]
-        for number, line in enumerate(lines, start=1):
-            if line.strip():
-                goal = GoalEntry(goal=f'(and {line.replace(",", " ")})', name=line.strip())
-                placed.append((('hyps_file',), f'{hypotheses.name}, line {number}: ', goal))
-        if not placed:
+        if not candidates:
             faults.append(Fault(('hyps_file',), f'{hypotheses} has no goals'))
-    names: set[str] = set()
-    for place, where, goal in placed:
-        name = goal.name or goal.goal
-        if name in names:
-            faults.append(Fault(place, f'{where}another candidate is named "{name}" too'))
-        names.add(name)
-        faults += _expression_faults(task, goal.goal, place if where else (*place, 'goal'), where)
-    weights = [goal.probability for _, _, goal in placed]
-    if None in weights and any(weight is not None for weight in weights):
-        faults.append(Fault(('goals',), 'give every goal a probability, or none'))
-    elif weights and None not in weights and not any(weights):
-        faults.append(Fault(('goals',), 'every goal has probability 0'))
-    return [goal for _, _, goal in placed], faults
+    for candidate in candidates:
+        faults += _goal_faults(candidate, task)
+    goals = [candidate.entry for candidate in candidates if candidate.entry]
+    return goals, [*faults, *_name_faults(candidates), *_weight_faults(goals)]
 
 
-def _expression_faults(
-    task: Task | None, goal: str, path: tuple[str | int, ...], where: str = ''
-) -> Iterator[Fault]:
-    """Find what the domain does not have in a goal."""
-    if task is not None:
+def _listed(goals: Sequence[Any]) -> Iterator[_Candidate]:
+    """Yield the candidates that stand in the user model itself."""
+    for index, values in enumerate(goals):
         try:
-            goal_expression(task.model, goal)
-        except InputError as error:
-            yield Fault(path, where + error.reason)
+            entry = GoalEntry.model_validate(values)
+            yield _Candidate(('goals', index), entry.goal, entry)
+        except ValidationError:
+            text = values.get('goal') if isinstance(values, dict) else None
+            if isinstance(text, str) and text.strip():
+                yield _Candidate(('goals', index), text, None)
+
+
+def _lines_of(hypotheses: Path, read: Callable[[str], str]) -> Iterator[_Candidate]:
+    """Yield the candidates of a PUCRS file: one a line, atoms separated by commas."""
+    for number, line in enumerate(read(str(hypotheses)).split('\n'), start=1):
+        if line.strip():
+            entry = GoalEntry(goal=f'(and {line.replace(",", " ")})', name=line.strip())
+            where = f'{hypotheses.name}, line {number}: '
+            yield _Candidate(('hyps_file',), entry.goal, entry, where)
+
+
+def _goal_faults(candidate: _Candidate, task: Task | None) -> Iterator[Fault]:
+    """Find what the domain does not have in a goal."""
+    if task is None:
+        return
+    try:
+        goal_expression(task.model, candidate.text)
+    except InputError as error:
+        path = candidate.path if candidate.where else (*candidate.path, 'goal')
+        yield Fault(path, candidate.where + error.reason)
+
+
+def _name_faults(candidates: Sequence[_Candidate]) -> Iterator[Fault]:
+    names: set[str] = set()
+    for candidate in candidates:
+        if candidate.entry:
+            name = candidate.entry.name or candidate.entry.goal
+            if name in names:
+                reason = f'{candidate.where}another candidate is named "{name}" too'
+                yield Fault(candidate.path, reason)
+            names.add(name)
+
+
+def _weight_faults(goals: Sequence[GoalEntry]) -> Iterator[Fault]:
+    weights = [goal.probability for goal in goals]
+    if None in weights and any(weight is not None for weight in weights):
+        yield Fault(('goals',), 'give every goal a probability, or none')
+    elif weights and None not in weights and not any(weights):
+        yield Fault(('goals',), 'every goal has probability 0')
 
 
 def fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[Fault]:
