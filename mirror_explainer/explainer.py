@@ -4,7 +4,6 @@
 `explain` answers from its result (VERBALIZE-PLAN in Algorithm 1).
 """
 
-import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -15,7 +14,7 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.mirror_model import MirrorModel, mirror_model
 from mirror_explainer.pddl import Task
 from mirror_explainer.plan_text import check_plan, read_plan, without_dummy
-from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status
+from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status, Stop
 from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import (
     Selection,
@@ -177,7 +176,7 @@ def prepare(
     max_beliefs: int = 1024,
     plans_per_belief: int = 300,
     deadline: float | None = None,
-    cancelled: threading.Event | None = None,
+    cancelled: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Preparation:
     """Plan for every belief that the user may hold, and return the mirror model.

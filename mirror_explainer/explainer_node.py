@@ -1,14 +1,13 @@
 """The ROS 2 node: hears the robot's problem and plan, and says what it is up to when asked."""
 
-import argparse
+import functools
 import logging
 import os
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 # Our matrices are small: numpy's own threads only take the processors from the robot.
@@ -16,7 +15,7 @@ from typing import Any
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
@@ -36,12 +35,15 @@ from mirror_explainer.errors import with_cure
 from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.node.answers import Answers, printable
+from mirror_explainer.node.diagnostic_message import diagnostic_array
 from mirror_explainer.node.diagnostics import diagnose, rivalry
 from mirror_explainer.node.history import History, news
+from mirror_explainer.node.maker import Maker
 from mirror_explainer.node.parameters import PARAMETERS
 from mirror_explainer.node.ros_log import RosLog
+from mirror_explainer.node.start import argument_parser, write_fault
 from mirror_explainer.node.state import Inputs, Phase, State, Text
-from mirror_explainer.node.surroundings import look_around, package_version
+from mirror_explainer.node.surroundings import look_around
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.planning import Planner
 
@@ -58,15 +60,30 @@ MOST_WAITING_CALLS = THREADS - 8
 _log = logging.getLogger('mirror_explainer')
 
 
+def _guarded(callback: Callable[..., None]) -> Callable[..., None]:
+    """Return a method that logs what goes wrong: what leaves a callback would end the node."""
+
+    @functools.wraps(callback)
+    def guarded(self: 'ExplainerNode', *arguments: Any, **named: Any) -> None:
+        try:
+            callback(self, *arguments, **named)
+        except Exception:
+            if self.context.ok():  # otherwise the node is ending
+                _log.exception('%s failed', callback.__name__.strip('_'))
+
+    return guarded
+
+
 class ExplainerNode(Node):
     """Serves `verbalize_plan` from what the topics and the user model say.
 
     The work goes on in an `Updates` thread and the planner's processes; the
-    callbacks here only hand inputs on and wait for results.
+    callbacks here only hand inputs on and wait for results. `options` are those
+    of `Node`, such as `context` or `parameter_overrides`.
     """
 
-    def __init__(self) -> None:
-        super().__init__('mirror_explainer', enable_logger_service=True)
+    def __init__(self, **options: Any) -> None:
+        super().__init__('mirror_explainer', enable_logger_service=True, **options)
         self._ros_log = RosLog(self.get_logger())
         _log.addHandler(self._ros_log)
         _log.setLevel(logging.DEBUG)  # what is logged is for the ROS logger to decide
@@ -79,12 +96,13 @@ class ExplainerNode(Node):
         self._history = History()
         self._history_lock = threading.Lock()
         self._service = self.resolve_service_name('verbalize_plan')
+        self._topics = {name: self.resolve_topic_name(name) for name in INPUTS}
         self._rivals = 0
 
         self._verbalization = self.create_publisher(String, '~/verbalization', LATCHED)
         self._explanation = self.create_publisher(String, '~/explanation', LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
-        self._updates = Updates(self._make_planner, self._on_state)
+        self._updates = Updates(Maker(self._make_planner), self._on_state)
 
         in_order = MutuallyExclusiveCallbackGroup()
         at_once = ReentrantCallbackGroup()
@@ -112,15 +130,21 @@ class ExplainerNode(Node):
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
         # Not the node's clock, which stands still when the system's is set back.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        files = MutuallyExclusiveCallbackGroup()  # a file system may be slow to answer
-        self.create_timer(1.0, self._each_second, files, steady)
+        # Groups of their own, for a file system may be slow to answer.
+        self.create_timer(1.0, self._look_at_files, MutuallyExclusiveCallbackGroup(), steady)
+        self.create_timer(1.0, self._each_second, MutuallyExclusiveCallbackGroup(), steady)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._submit()
 
     def close(self) -> None:
-        """Stop all work; no planner process is left."""
+        """Stop all work, and free the calls that wait; no planner process is left."""
         self._updates.close()
         _log.removeHandler(self._ros_log)
+
+    def destroy_node(self) -> None:
+        """Stop all work, too."""
+        self.close()
+        super().destroy_node()
 
     def _make_planner(self) -> Planner:
         return Planner(
@@ -135,27 +159,24 @@ class ExplainerNode(Node):
         return self.get_parameter(name).value
 
     def _input_callback(self, name: str) -> Callable[[String], None]:
-        topic = self.resolve_topic_name(name)
-
         def callback(message: String) -> None:
             # The other subscription may have heard it already: that submits nothing new.
-            self._submit(**{name: Text(message.data, topic)})
+            self._submit(**{name: Text(message.data, self._topics[name])})
 
         return callback
 
-    def _submit(self, **changes: Text) -> None:
+    @_guarded
+    def _submit(self, **changes: Any) -> None:
         """Hand the newest inputs on, with what the parameters say now."""
+        parameters = ('domain_file', 'user_model_file', 'max_beliefs', 'plans_per_belief')
         with self._inputs_lock:
-            self._inputs = Inputs(
-                **{name: getattr(self._inputs, name) for name in INPUTS} | changes,
-                domain_file=self._value('domain_file'),
-                user_model_file=self._value('user_model_file'),
-                max_beliefs=self._value('max_beliefs'),
-                plans_per_belief=self._value('plans_per_belief'),
-                deadline=self._value('deadline'),
+            self._inputs = replace(
+                self._inputs,
+                **changes,
+                **{name: self._value(name) for name in (*parameters, 'deadline')},
                 limits=InputLimits(**{f.name: self._value(f.name) for f in fields(InputLimits)}),
             )
-            self._updates.submit(self._inputs)
+            self._updates.submit(self._inputs, self._value('answer_timeout'))
 
     def _check_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         for parameter in parameters:
@@ -167,9 +188,13 @@ class ExplainerNode(Node):
     def _on_parameters(self, parameters: Sequence[Parameter]) -> None:
         self._submit()
 
-    def _each_second(self) -> None:
-        """Notice edited files; tell how things are, and that a caller may hear another node."""
+    @_guarded
+    def _look_at_files(self) -> None:
         self._updates.look_at_files()
+
+    @_guarded
+    def _each_second(self) -> None:
+        """Tell how things are, and that a caller may hear another node."""
         rivals = max(0, self.count_services(self._service) - 1)
         if rivals and not self._rivals:
             _log.warning('%s', with_cure(*rivalry(rivals)))
@@ -177,6 +202,7 @@ class ExplainerNode(Node):
         self._publish_diagnostics(self._updates.state)
         self._ros_log.log_repetitions()
 
+    @_guarded
     def _on_state(self, state: State) -> None:
         """Tell how an update ended, and make the answer that a call will want."""
         with self._history_lock:
@@ -185,6 +211,8 @@ class ExplainerNode(Node):
             _log.log(level, '%s', line)
         if state.preparation is not None:
             self._answers.make(state.preparation, self._question())
+        elif state.phase is Phase.WAITING:  # what was said was about a plan that is over
+            self._answers.forget()
         self._publish_diagnostics(state)
 
     def _question(self) -> dict[str, Any]:
@@ -198,7 +226,7 @@ class ExplainerNode(Node):
             state = self._state_for_a_call()
             if state.preparation is not None:
                 response.message = self._answers.give(
-                    state.preparation, self._question(), self._value('remember')
+                    state.preparation, state.number, self._question(), self._value('remember')
                 )
                 response.success = True
             else:
@@ -225,10 +253,13 @@ class ExplainerNode(Node):
                 state = self._updates.wait(self._value('answer_timeout'))
             finally:
                 self._waiting.release()
+            waits = ''
         else:
             state = self._updates.state
+            waits = f' (and {MOST_WAITING_CALLS} calls wait for it, as many as may)'
         if state.phase is Phase.WORKING:
-            return State(Phase.WORKING, f'the explanation is not ready yet: {state.message}')
+            message = f'the explanation is not ready yet: {state.message}{waits}'
+            return State(Phase.WORKING, message)
         return state
 
     def _forget(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -239,7 +270,7 @@ class ExplainerNode(Node):
 
     def _publish_diagnostics(self, state: State) -> None:
         files = (self._inputs.domain_file, self._inputs.user_model_file)
-        publishers = {name: self.count_publishers(name) for name in ('problem', 'plan')}
+        publishers = {n: self.count_publishers(self._topics[n]) for n in ('problem', 'plan')}
         found = diagnose(
             state,
             self._history,
@@ -247,53 +278,18 @@ class ExplainerNode(Node):
             look_around(files, publishers, self._rivals),
             self._answers.last,
         )
-        status = DiagnosticStatus(
-            level=bytes([found.level]),
-            name=f'{self.get_fully_qualified_name().lstrip("/")}: explanation',
-            message=printable(found.message),
-            values=[
-                KeyValue(key=key, value=printable(text)) for key, text in found.values.items()
-            ],
-        )
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = self.get_clock().now().to_msg()
-        try:
-            self._diagnostics.publish(array)
-        except RCLError:
-            if self.context.ok():  # otherwise the node is ending
-                raise
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='explainer_node',
-        description='Say on request what the robot is up to, in the few most telling steps.',
-        epilog='Parameters, remappings and the like follow --ros-args.',
-    )
-    parser.add_argument(
-        '--log-level',
-        choices=[severity.name.lower() for severity in LoggingSeverity][1:],
-        help="log this node's own lines from this level up (default info)",
-    )
-    parser.add_argument('--version', action='version', version=package_version())
-    return parser
-
-
-def _log_fault() -> OSError | None:
-    """Return why no log file can be written, None if one can: ROS would not start without."""
-    folder = get_logging_directory()
-    try:
-        os.makedirs(folder, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder):
-            return None
-    except OSError as error:
-        return error
+        name = f'{self.get_fully_qualified_name().lstrip("/")}: explanation'
+        stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(diagnostic_array(found, name, stamp))
 
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
-    options = _parser().parse_args(remove_ros_args(args)[1:])
-    log_fault = _log_fault()
+    try:
+        options = argument_parser().parse_args(remove_ros_args(args)[1:])
+    except RCLError as error:
+        sys.exit(f'explainer_node: {str(error).split(", at /")[0].strip()}')
+    log_fault = write_fault(get_logging_directory())
     if log_fault:  # a full disk must not keep the node from starting
         args = [*(sys.argv if args is None else args), '--ros-args', '--disable-external-lib-logs']
     rclpy.init(args=args)

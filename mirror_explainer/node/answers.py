@@ -12,38 +12,54 @@ _CONTROL = re.compile(r'[\x00-\x08\x0b-\x1f\x7f-\x9f]')
 
 
 class Answers:
-    """Answers from preparations.
+    """Answers from the preparations of states.
 
     `publish` is called with each answer's text and its JSON, one answer at a time,
-    so that both are always of the same one. `last` is the one given last.
+    so that both are always of the same one, and never with an answer to older inputs
+    after one to newer inputs. `last` is the one given last.
     """
 
     def __init__(self, publish: Callable[[str, str], None]) -> None:
         self.last: Explanation | None = None
         self._publish = publish
+        self._published = 0
         self._lock = threading.Lock()
         self._said: list[str] = []
+        self._said_of = ''
         self._made_for: Preparation | None = None
         self._made: dict[object, tuple[Explanation, str, str]] = {}
 
     def make(self, preparation: Preparation, question: dict[str, Any]) -> None:
-        """Make the answer to a question (arguments of `explain`), so that a call finds it made."""
+        """Make the answer to a question (arguments of `explain`), so that a call finds it made.
+
+        What was said of other plans is forgotten: steps that are done, and all if the robot
+        has another goal now.
+        """
+        model = preparation.model
+        goal = model.goals[model.hypotheses[model.robot].goal].goal
         with self._lock:
+            same = goal == self._said_of
+            self._said_of = goal
+            self._said = [s for s in self._said if same and s in model.sentences]
             self._get(preparation, question, ())
 
-    def give(self, preparation: Preparation, question: dict[str, Any], remember: bool) -> str:
+    def give(
+        self, preparation: Preparation, number: int, question: dict[str, Any], remember: bool
+    ) -> str:
         """Publish the answer to a question, and return its text.
 
-        With `remember` it is conditioned on what was said, and counts as said.
-        Sentences that are not in the present plan are no part of it.
+        `number` grows with each update. With `remember` the answer is conditioned on what
+        was said, and counts as said. Sentences that are not in the plan are no part of it.
         """
         with self._lock:
             said = [s for s in self._said if remember and s in preparation.model.sentences]
             explanation, text, report = self._get(preparation, question, tuple(said))
             if remember:
                 self._said += explanation.sentences
-            self.last = explanation
-            self._publish(text, report)
+            if number >= self._published:
+                self._published = number
+                self.last = explanation
+                self._publish(text, report)
             return text
 
     def forget(self) -> int:

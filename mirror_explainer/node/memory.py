@@ -21,8 +21,13 @@ def resident_memory(pid: int) -> int:
 
 def descendants(pid: int) -> Iterator[int]:
     """Yield the processes that a process started, and those that they started."""
-    for children in Path(f'/proc/{pid}/task').glob('*/children'):
-        with contextlib.suppress(OSError):  # the thread has just ended
-            for child in map(int, children.read_text().split()):
-                yield child
-                yield from descendants(child)
+    threads: list[str] = []
+    with contextlib.suppress(OSError):  # the process has just ended
+        threads = os.listdir(f'/proc/{pid}/task')
+    for thread in threads:
+        children = ''
+        with contextlib.suppress(OSError):  # the thread has
+            children = Path(f'/proc/{pid}/task/{thread}/children').read_text()
+        for child in map(int, children.split()):
+            yield child
+            yield from descendants(child)

@@ -68,9 +68,9 @@ class Phase(Enum):
 class State:
     """Where things stand: `message` says it in words, `preparation` is there when READY.
 
-    `inputs` are those that it is about; `cure` says what a person can do about it.
-    `since` is when it came to be so. `may_pass` says that the inputs are not to blame,
-    so that another attempt may go better.
+    `inputs` are those that it is about, the `number`-th that were submitted; `cure` says
+    what a person can do about it. `since` is when it came to be so. `may_pass` says that
+    the inputs are not to blame, so that another attempt may go better.
     """
 
     phase: Phase
@@ -80,3 +80,4 @@ class State:
     cure: str = ''
     since: Moment = field(default_factory=Moment)
     may_pass: bool = False
+    number: int = 0

@@ -8,6 +8,7 @@ from mirror_explainer.planning.beliefs import (
     PlanningReport,
     Status,
 )
+from mirror_explainer.planning.limits import Stop
 from mirror_explainer.planning.planner import Planner
 
 __all__ = [
@@ -18,4 +19,5 @@ __all__ = [
     'Planner',
     'PlanningReport',
     'Status',
+    'Stop',
 ]

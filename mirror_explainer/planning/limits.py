@@ -1,8 +1,8 @@
 """When a call of `Planner.plan` must end: its deadline, and requests to stop."""
 
-import threading
 import time
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from mirror_explainer.errors import Cancelled
 
@@ -10,12 +10,19 @@ from mirror_explainer.errors import Cancelled
 TICK = 0.02
 
 
+class Stop(Protocol):
+    """What asks work to stop, such as a threading.Event."""
+
+    def is_set(self) -> bool:
+        """Say whether to stop."""
+
+
 @dataclass(frozen=True)
 class Limits:
-    """The end of one call: a point in monotonic time, and the events that cancel it."""
+    """The end of one call: a point in monotonic time, and what cancels it."""
 
     end: float = float('inf')
-    events: tuple[threading.Event, ...] = field(default=())
+    events: tuple[Stop, ...] = field(default=())
 
     @property
     def expired(self) -> bool:

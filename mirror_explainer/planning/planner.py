@@ -21,7 +21,7 @@ from mirror_explainer.planning.beliefs import (
 from mirror_explainer.planning.downward import find_downward
 from mirror_explainer.planning.downward_way import DownwardWay
 from mirror_explainer.planning.engine_pool import EnginePool
-from mirror_explainer.planning.limits import Limits
+from mirror_explainer.planning.limits import Limits, Stop
 from mirror_explainer.planning.messages import Attempt, Done
 
 # The engine that is asked the fast way wherever that is right.
@@ -76,7 +76,7 @@ class Planner:
         *,
         plans_per_belief: int = 1,
         deadline: float | None = None,
-        cancelled: threading.Event | None = None,
+        cancelled: Stop | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> PlanningReport:
         """Return what is known about each belief once it is planned for, in the order given.
@@ -91,7 +91,7 @@ class Planner:
         every belief; ValueError for a belief outside the space.
         """
         end = float('inf') if deadline is None else time.monotonic() + deadline
-        events = (self._closed, cancelled) if cancelled else (self._closed,)
+        events: tuple[Stop, ...] = (self._closed, cancelled) if cancelled else (self._closed,)
         limits = Limits(end, events)
         _require_inside(space, beliefs)
         with self._busy:

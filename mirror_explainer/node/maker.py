@@ -1,0 +1,162 @@
+"""What an update does: read inputs, check them, plan; and put what goes wrong in words."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
+from mirror_explainer.explainer import Preparation, prepare, robot_plan
+from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.node.state import Inputs, Phase, State, Text
+from mirror_explainer.node.stop_request import StopRequest
+from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
+from mirror_explainer.plan_text import read_plan
+from mirror_explainer.planning import Planner
+from mirror_explainer.text_files import TextFiles
+from mirror_explainer.user_model import read_user_model
+
+_log = logging.getLogger(__name__)
+
+_START = (
+    "Start what publishes these topics in the node's namespace, or remap them; set the parameters."
+)
+_CORRECT = 'Correct it there: a new message, or the changed file, is taken up by itself.'
+_REPORT = 'Report it with the log and the inputs; the next input is tried all the same.'
+
+
+class Maker:
+    """Makes states of inputs, one at a time.
+
+    `make_planner` is called once it is needed, and again after planning failed.
+    `files` knows the files that were read. `close` may come from any thread.
+    """
+
+    def __init__(self, make_planner: Callable[[], Planner]) -> None:
+        self.files = TextFiles()
+        self._make_planner = make_planner
+        self._planner: Planner | None = None
+        self._planner_lock = threading.Lock()
+        self._closed = False
+        self._task: tuple[Text, Text, Task] | None = None
+
+    def warm_up(self) -> None:
+        """Start the planner's processes, so that they are up when they are needed."""
+        try:
+            self._ready_planner()
+        except Exception as error:  # the first update will say so
+            _log.debug('no planner yet: %s', error)
+
+    def forget_files(self) -> None:
+        """Take what is read from now on for what the files are like."""
+        self.files = TextFiles()
+
+    def make(
+        self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
+    ) -> State:
+        """Return what comes of the inputs. Raises Cancelled when it is to stop."""
+        state = self._state_for(inputs, stop, progress)
+        return replace(state, inputs=self._as_read(inputs))
+
+    def close(self) -> None:
+        """End the planner, and with it what is being planned; no other will be made."""
+        with self._planner_lock:
+            self._closed = True
+        self._drop_planner()
+
+    def _state_for(
+        self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
+    ) -> State:
+        try:
+            if inputs.missing:
+                _check_alone(inputs, partial(self.files.read, limits=inputs.limits))
+                return State(
+                    Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
+                )
+            preparation = self._prepare(inputs, stop, progress)
+            failed = preparation.failed_beliefs > 0
+            return State(Phase.READY, 'ready', preparation, may_pass=failed)
+        except NoPlanError as error:
+            return State(Phase.WAITING, str(error), cure=error.cure)
+        except InputError as error:
+            return State(Phase.ERROR, str(error), cure=error.cure or _CORRECT)
+        except Cancelled:
+            raise
+        except PlanningError as error:
+            self._drop_planner()
+            return State(Phase.ERROR, str(error), cure=error.cure, may_pass=True)
+        except Exception as error:  # the node must outlive a fault of ours
+            self._drop_planner()
+            _log.exception('where the internal error came from')
+            message = f'internal error, please report it: {error!r}'
+            return State(Phase.ERROR, message, cure=_REPORT, may_pass=True)
+
+    def _prepare(
+        self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
+    ) -> Preparation:
+        assert inputs.problem and inputs.plan  # nothing is missing
+        started = time.perf_counter()
+        limits = inputs.limits
+        read_file = partial(self.files.read, limits=limits)
+        domain = inputs.domain or Text(read_file(inputs.domain_file), inputs.domain_file)
+        task = self._read(domain, inputs.problem, limits)
+        stop.check()
+        plan = robot_plan(task, inputs.plan.text, inputs.plan.source, limits)
+        stop.check()
+        user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
+        read = time.perf_counter() - started
+        preparation = prepare(
+            task,
+            plan,
+            user_model,
+            self._ready_planner(),
+            max_beliefs=inputs.max_beliefs,
+            plans_per_belief=inputs.plans_per_belief,
+            deadline=inputs.deadline,
+            cancelled=stop,
+            progress=progress,
+        )
+        seconds = replace(preparation.seconds, read=read)
+        return replace(preparation, seconds=seconds, inputs=self._as_read(inputs).digest)
+
+    def _as_read(self, inputs: Inputs) -> Inputs:
+        """Return the inputs with the revision of the files that were read for them."""
+        return replace(inputs, files_revision=self.files.revision)
+
+    def _ready_planner(self) -> Planner:
+        """Return the planner, which is made once. Raises PlanningError if it can't be."""
+        with self._planner_lock:
+            if self._closed:
+                raise Cancelled
+            if self._planner is None:
+                self._planner = self._make_planner()
+            return self._planner
+
+    def _drop_planner(self) -> None:
+        """End a planner that failed: the next one is made of what is installed then."""
+        with self._planner_lock:
+            planner, self._planner = self._planner, None
+        if planner:
+            planner.close()
+
+    def _read(self, domain: Text, problem: Text, limits: InputLimits) -> Task:
+        """Return the task, read again only when its texts changed."""
+        if self._task is None or self._task[:2] != (domain, problem):
+            self._task = None
+            forget_expressions()
+            task = read_task(domain.text, problem.text, domain.source, problem.source, limits)
+            self._task = (domain, problem, task)
+        return self._task[2]
+
+
+def _check_alone(inputs: Inputs, read: Callable[[str], str]) -> None:
+    """Raise InputError for what is wrong already, whatever is still missing."""
+    for text, kind in ((inputs.domain, 'domain'), (inputs.problem, 'problem')):
+        if text:
+            require_definition(text.text, kind, text.source, inputs.limits)
+    if inputs.plan:
+        read_plan(inputs.plan.text, inputs.plan.source, inputs.limits)
+    if inputs.user_model_file:
+        read_user_model(inputs.user_model_file, read=read, limits=inputs.limits)

@@ -1,0 +1,238 @@
+"""When updates are worked on, and who gets what comes of them: with works that are played."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from mirror_explainer.node import updates as module
+from mirror_explainer.node.state import Inputs, Phase, State, Text
+from mirror_explainer.node.stop_request import StopRequest
+from mirror_explainer.node.updates import Updates
+from mirror_explainer.text_files import TextFiles
+
+PATIENCE = 60.0  # s: only a hang runs into it
+READY = State(Phase.READY, 'ready', preparation='an answer')
+BAD = State(Phase.ERROR, 'bad plan')
+BROKEN = State(Phase.ERROR, 'the planner is broken', may_pass=True)
+
+
+class PlayedMaker:
+    """Makes states with a function of the inputs, and notes the inputs that came."""
+
+    def __init__(self, make: Callable[[Inputs, StopRequest], State]) -> None:
+        self.files = TextFiles()
+        self.made: list[Inputs] = []
+        self.closed = False
+        self._make = make
+
+    def warm_up(self) -> None:
+        pass
+
+    def forget_files(self) -> None:
+        self.files = TextFiles()
+
+    def make(self, inputs: Inputs, stop: StopRequest, progress: object) -> State:
+        self.made.append(inputs)
+        return replace(self._make(inputs, stop), inputs=inputs)
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class Robot:
+    """Submits one plan after the other, and hears what comes of them."""
+
+    def __init__(self, make: Callable[[Inputs, StopRequest], State]) -> None:
+        self.maker = PlayedMaker(make)
+        self.told: list[State] = []
+        self.updates = Updates(self.maker, self.told.append)
+        self._ended = threading.Event()
+        self._stream: threading.Thread | None = None
+
+    def submit(self, plan: str) -> None:
+        self.updates.submit(Inputs(plan=Text(plan, '/plan')), patience=5.0)
+
+    def stream(self, period: float) -> None:
+        """Submit new plans from now on, so many seconds after each other."""
+
+        def submit_all() -> None:
+            number = 0
+            while not self._ended.wait(period):
+                number += 1
+                self.submit(f'plan {number}')
+
+        self.submit('the first plan')
+        self._stream = threading.Thread(target=submit_all)
+        self._stream.start()
+
+    def close(self) -> None:
+        self._ended.set()
+        if self._stream:
+            self._stream.join()
+        self.updates.close()
+
+
+@pytest.fixture
+def played() -> Iterator[Callable[..., Robot]]:
+    """Return a function that makes a robot whose updates are played by a function."""
+    robots: list[Robot] = []
+
+    def make(work: Callable[[Inputs, StopRequest], State]) -> Robot:
+        robots.append(Robot(work))
+        return robots[-1]
+
+    yield make
+    for robot in robots:
+        robot.close()
+
+
+def until_stopped(inputs: Inputs, stop: StopRequest) -> State:
+    """Work that ends only when it is to stop."""
+    while True:
+        stop.check()
+        time.sleep(0.001)
+
+
+@pytest.mark.parametrize('outcome', [READY, BAD, State(Phase.WAITING, 'no plan')])
+@pytest.mark.parametrize('period', [0.01, 0.05])
+def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(played, outcome, period):
+    # Every work is overtaken by newer inputs while it goes on.
+    robot = played(lambda inputs, stop: time.sleep(0.2) or outcome)
+    robot.stream(period)
+
+    heard = robot.updates.wait(PATIENCE)
+
+    assert heard.message == outcome.message
+    assert [state.message for state in robot.told][:1] in ([], [outcome.message])
+
+
+def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
+    robot = played(
+        lambda inputs, stop: until_stopped(inputs, stop) if inputs.plan.text == 'old' else READY
+    )
+    robot.submit('old')
+    while not robot.maker.made:
+        time.sleep(0.001)
+    robot.submit('new')
+
+    heard = robot.updates.wait(PATIENCE)
+
+    assert heard.phase is Phase.READY
+    assert heard.inputs.plan.text == 'new'
+    assert [state.inputs.plan.text for state in robot.told] == ['new']
+
+
+def test_no_work_goes_on_for_longer_than_calls_wait(monkeypatch, played):
+    monkeypatch.setattr(module, 'SETTLING_SECONDS', 0.0)
+    graces = []
+    monkeypatch.setattr(StopRequest, 'after', lambda stop, seconds: graces.append(seconds))
+    robot = played(lambda inputs, stop: READY)
+    for overtaken in range(12):
+        robot.updates._overtaken = overtaken
+        robot.submit(f'plan {overtaken}')
+
+    assert graces[:5] == [0.0, 1.0, 2.0, 4.0, 5.0]
+    assert max(graces) == 5.0
+
+
+def test_a_file_is_read_once_it_has_been_left_alone(monkeypatch, played, tmp_path: Path):
+    monkeypatch.setattr(module, 'FILE_SETTLING_SECONDS', 1.0)
+    file = tmp_path / 'user_model.yaml'
+    file.write_text('0')
+    texts = []
+    robot = played(lambda inputs, stop: texts.append(robot.maker.files.read(str(file))) or READY)
+    robot.submit('plan')
+    robot.updates.wait(PATIENCE)
+
+    for number in range(1, 31):
+        file.write_text(str(number))
+        robot.updates.look_at_files()
+        time.sleep(0.05)  # in all longer than the file has to be left alone
+    robot.updates.wait(PATIENCE)
+
+    assert texts == ['0', '30']
+
+
+def test_a_file_that_is_never_left_alone_is_read_after_a_while(monkeypatch, played, tmp_path):
+    monkeypatch.setattr(module, 'LONGEST_FILE_SETTLING_SECONDS', 0.7)
+    file = tmp_path / 'user_model.yaml'
+    file.write_text('')
+    robot = played(lambda inputs, stop: robot.maker.files.read(str(file)) and READY or READY)
+    robot.submit('plan')
+    robot.updates.wait(PATIENCE)
+    end = time.monotonic() + PATIENCE
+    while len(robot.maker.made) < 3 and time.monotonic() < end:
+        with file.open('a') as stream:
+            stream.write('x')
+        robot.updates.look_at_files()
+        time.sleep(0.01)
+
+    assert len(robot.maker.made) >= 3
+
+
+def test_a_call_does_not_wait_for_a_file_system_that_hangs(monkeypatch, played):
+    robot = played(lambda inputs, stop: READY)
+    robot.submit('plan')
+    assert robot.updates.wait(PATIENCE).phase is Phase.READY
+    hangs, goes_on = threading.Event(), threading.Event()
+    monkeypatch.setattr(robot.maker.files, 'changed', lambda: hangs.set() or goes_on.wait() and 0)
+    first = threading.Thread(target=robot.updates.wait, args=[PATIENCE])
+    first.start()
+    assert hangs.wait(PATIENCE)
+
+    heard = robot.updates.wait(0.01)
+
+    assert first.is_alive()
+    assert heard.phase is Phase.READY
+    goes_on.set()
+    first.join()
+
+
+def test_a_listener_that_fails_changes_nothing(played):
+    robot = played(lambda inputs, stop: READY)
+    failed = []
+
+    def fail(state: State) -> None:
+        failed.append(state)
+        raise RuntimeError('the listener is broken')
+
+    robot.updates._on_state = fail
+    robot.submit('one')
+    first = robot.updates.wait(PATIENCE)
+    robot.submit('two')
+    second = robot.updates.wait(PATIENCE)
+
+    assert (first.phase, second.phase) == (Phase.READY, Phase.READY)
+    assert second.inputs.plan.text == 'two'
+    assert failed
+
+
+def test_an_error_that_may_pass_is_tried_again_by_a_call_and_told_once(monkeypatch, played):
+    monkeypatch.setattr('mirror_explainer.node.retries.CALL_SECONDS', 0.0)
+    outcomes = [BROKEN, BROKEN, READY]
+    robot = played(lambda inputs, stop: outcomes[min(len(robot.maker.made), 3) - 1])
+    robot.submit('plan')
+
+    heard = [robot.updates.wait(PATIENCE).phase for _ in range(3)]
+
+    assert heard[0] is Phase.ERROR
+    assert heard[-1] is Phase.READY
+    assert [state.phase for state in robot.told] == [Phase.ERROR, Phase.READY]
+
+
+def test_closing_frees_who_waits_and_closes_the_maker(played):
+    robot = played(until_stopped)
+    robot.submit('plan')
+    heard = []
+    waiting = threading.Thread(target=lambda: heard.append(robot.updates.wait(PATIENCE)))
+    waiting.start()
+
+    robot.updates.close()
+    waiting.join(PATIENCE)
+
+    assert heard[0].phase is Phase.WORKING
+    assert robot.maker.closed
