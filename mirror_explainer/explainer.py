@@ -19,8 +19,8 @@ from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import (
     Selection,
     decreasing,
-    first_sufficient,
     increasing,
+    is_enough,
     most_informative,
     smallest_sufficient,
 )
@@ -98,7 +98,7 @@ class Explanation:
             'sentences': list(self.sentences),
             'positions': positions,
             'actions': [model.plan.actions[position] for position in positions],
-            'information_gain': self.selection.information_gain + 0.0,  # no -0.0
+            'information_gain': self.selection.information_gain,
             'cross_entropy_before': model.cross_entropy(self.said),
             'cross_entropy_after': model.cross_entropy(heard),
             'understanding_before': model.understanding(self.said),
@@ -239,8 +239,11 @@ def explain(
         if threshold > 0:
             size = len(selection.positions)
             everything = baseline(evidence, len(evidence.positions)).information_gain
-            growing = (baseline(evidence, k) for k in range(size + 1))
-            selection = first_sufficient(growing, required_gain, everything)
+            growing = (baseline(evidence, k) for k in range(size))
+            enough = (
+                s for s in growing if is_enough(s.information_gain, required_gain, everything)
+            )
+            selection = next(enough, selection)
     elif threshold > 0:
         selection = smallest_sufficient(evidence, required_gain, at_most, selection_budget)
     else:
@@ -281,7 +284,8 @@ def _planned(result: BeliefPlans) -> Plan:
 
 
 def _positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple[int, ...]:
-    """Return the first plan position of each sentence that was said."""
+    """Return plan positions of the sentences that were said, as often as the plan has them."""
+    heard: dict[str, list[int]] = {}
     for sentence in said:
         if sentence not in model.sentences:
             raise InputError(
@@ -289,4 +293,6 @@ def _positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple
                 f'no step of the plan is said as "{sentence}"',
                 cure='Leave it out, or give the plan and the user model it was said with.',
             )
-    return tuple(model.sentences.index(sentence) for sentence in dict.fromkeys(said))
+        places = [i for i, other in enumerate(model.sentences) if other == sentence]
+        heard[sentence] = places[: len(heard.get(sentence, [])) + 1]
+    return tuple(position for positions in heard.values() for position in positions)

@@ -219,14 +219,14 @@ def _with_robot_plan(robot_plan: Plan, plans: Sequence[Plan]) -> tuple[Plan, ...
     """Return the plans known for b_R with π_R first.
 
     P(o|π) ignores order, so π_R takes the place of a plan with the same
-    actions; failing that, of one plan of the same cost: which of the equally
+    actions; failing that, of an only plan of the same cost: which of the equally
     good plans an engine returns is an accident, and must not make the robot's
     own plan look one half as likely.
     """
     proved = any(plan.optimal and plan.cost == robot_plan.cost for plan in plans)
     robot_actions = Counter(robot_plan.actions)
     same = [plan for plan in plans if Counter(plan.actions) == robot_actions]
-    as_good = [plan for plan in reversed(plans) if plan.cost == robot_plan.cost]
+    as_good = [plan for plan in plans if plan.cost == robot_plan.cost and len(plans) == 1]
     replaced = [*same, *as_good][:1]
     own = replace(robot_plan, optimal=proved)
     return (own, *(plan for plan in plans if plan not in replaced))

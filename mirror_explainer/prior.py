@@ -9,6 +9,7 @@ import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
+from typing import Any
 
 from mirror_explainer.pddl import Task, goal_expression, literals
 from mirror_explainer.planning import Belief, BeliefSpace
@@ -22,8 +23,8 @@ CONTRADICTED_PROBABILITY = 1e-6
 class Prior:
     """P(B) over the enumerated beliefs, the most probable first.
 
-    `goals` are the distinct candidates with P(G), the robot's own added where
-    the user model lacks it. `beliefs` and `probabilities` go together;
+    `goals` are the distinct candidates with P(G), those of probability 0 last, the
+    robot's own added where the user model lacks it. `beliefs` and `probabilities` go together;
     `robot_belief` is the index of b_R. `warnings` say where the robot lies
     outside the user's model.
     """
@@ -45,9 +46,14 @@ class Prior:
 class _Factor:
     """One independent variable of P(B): its outcomes' probabilities, and b_R's outcome."""
 
-    probability: Mapping[Hashable, float]
-    robot: Hashable
+    probability: Mapping[Any, float]
+    robot: Any
     contradiction: str
+
+    @property
+    def possible(self) -> set[Any]:
+        """The outcomes that some belief has."""
+        return {outcome for outcome, p in self.probability.items() if p} | {self.robot}
 
 
 def belief_prior(task: Task, user_model: UserModel, max_beliefs: int = 1024) -> Prior:
@@ -84,10 +90,14 @@ def belief_prior(task: Task, user_model: UserModel, max_beliefs: int = 1024) -> 
         taken.pop(robot, None)
         taken = dict([*taken.items()][: max_beliefs - 1]) | {robot: robot_probability}
         taken = dict(sorted(taken.items(), key=lambda item: -item[1]))
-    facts = [*user_model.uncertain_facts, *(fact for group in user_model.one_of for fact in group)]
-    texts = tuple(goal.goal for goal in goals)
+    # What no belief has must change nothing, and a hard goal or fact may take the fast way
+    # of planning from the others.
+    texts = [goals[index].goal for index in sorted(factors[0].possible)]
+    held = {fact for factor in factors[1:] for facts in factor.possible for fact in facts}
+    named = [*user_model.uncertain_facts, *(fact for group in user_model.one_of for fact in group)]
+    facts = [fact for fact in named if fact in held]
     return Prior(
-        space=BeliefSpace(task.domain, task.problem, texts, tuple(facts)),
+        space=BeliefSpace(task.domain, task.problem, tuple(texts), tuple(facts)),
         goals=goals,
         beliefs=tuple(taken),
         probabilities=tuple(taken.values()),
@@ -102,7 +112,7 @@ def _distinct_goals(
     """Return the distinct candidate goals, the index of G_R, and warnings.
 
     Goals are equal when they are the same set of literals; equal candidates
-    become one, under the first one's name.
+    become one, under the first one's name. Those that the robot may have come first.
     """
     warnings = []
     distinct: dict[Hashable, CandidateGoal] = {}
@@ -126,7 +136,8 @@ def _distinct_goals(
             f"the robot's goal {task.goal_text} is not among the user model's candidates; "
             f'it was added with probability {unlisted:g}'
         )
-    return tuple(distinct.values()), list(distinct).index(robot_goal), warnings
+    keys = sorted(distinct, key=lambda key: not distinct[key].probability and key != robot_goal)
+    return tuple(distinct[key] for key in keys), keys.index(robot_goal), warnings
 
 
 def _fact_factors(user_model: UserModel, initial_facts: frozenset[str]) -> Iterator[_Factor]:

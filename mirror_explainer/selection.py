@@ -11,8 +11,8 @@ single-sentence gains wins, then the lexicographically smallest positions.
 
 import math
 import time
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -81,27 +81,22 @@ def smallest_sufficient(
     Enough is a gain above `required_gain` = H(P_R, P_R^H) − θ, so that the
     cross-entropy falls below θ; or the gain of saying everything, within
     1e-9, should that be less. Without such a selection of `at_most`
-    positions, it is the most informative one of that size.
+    positions, it is the most informative one of that size. The `gap` also
+    covers smaller sizes of which the time did not tell whether they suffice.
     """
     everything = -evidence.columns.log_value(evidence.columns.copies)
-    size = min(at_most, len(evidence.positions))
-    return first_sufficient(_select_all(evidence, size, budget), required_gain, everything)
-
-
-def first_sufficient(
-    selections: Iterable[Selection], required_gain: float, everything: float
-) -> Selection:
-    """The first of some selections whose gain is enough, else the last.
-
-    Enough is more than `required_gain`, or `everything`, the gain of saying
-    everything, within 1e-9.
-    """
-    enough = Selection((), 0.0, 0.0)
-    for enough in selections:
-        gain = enough.information_gain
-        if gain > required_gain or gain >= everything - TIE:
+    best, doubt = Selection((), 0.0, 0.0), 0.0
+    for best in _select_all(evidence, min(at_most, len(evidence.positions)), budget):
+        if is_enough(best.information_gain, required_gain, everything):
             break
-    return enough
+        if is_enough(best.information_gain + best.gap, required_gain, everything):
+            doubt = max(doubt, best.gap)
+    return replace(best, gap=max(best.gap, doubt))
+
+
+def is_enough(gain: float, required_gain: float, everything: float) -> bool:
+    """Whether a gain is above the required one, or that of saying everything, within 1e-9."""
+    return gain > required_gain or gain >= everything - TIE
 
 
 def increasing(evidence: Evidence, n: int) -> Selection:
@@ -139,7 +134,7 @@ def _selection(evidence: Evidence, counts: Ints, gap: float) -> Selection:
         for column in of_sentence[:count]
     )
     positions = tuple(int(evidence.positions[column]) for column in said)
-    return Selection(positions, -evidence.columns.log_value(counts), gap)
+    return Selection(positions, 0.0 - evidence.columns.log_value(counts), gap)
 
 
 def _baseline(evidence: Evidence, said: range) -> Selection:
@@ -149,7 +144,7 @@ def _baseline(evidence: Evidence, said: range) -> Selection:
     log_value = columns.log_value(counts)
     gap = max(0.0, log_value - columns.log_floor(len(said)))
     positions = tuple(int(evidence.positions[column]) for column in sorted(said))
-    return Selection(positions, -log_value, gap if gap > TIE else 0.0)
+    return Selection(positions, 0.0 - log_value, gap if gap > TIE else 0.0)
 
 
 def _greedy(columns: Columns, n: int) -> list[tuple[int, float]]:

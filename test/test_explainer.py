@@ -225,6 +225,20 @@ def test_what_was_said_is_taken_as_known_and_not_said_again(operator: Preparatio
     assert {goal['prior'] > 0 for goal in told['goals'] if 'bottom' not in goal['name']} == {False}
 
 
+@pytest.mark.parametrize('times', [1, 2, 3, 4])
+def test_a_sentence_that_was_said_several_times_counts_as_often_as_the_plan_has_it(
+    operator: Preparation, times: int
+) -> None:
+    doors = [i for i, said in enumerate(operator.model.sentences) if said == DOORS]
+
+    told = explain(operator, n=1, said=[DOORS] * times).as_dict()
+
+    assert len(doors) == 3
+    before = operator.model.cross_entropy(doors[: min(times, 3)])
+    assert told['cross_entropy_before'] == pytest.approx(before)
+    assert DOORS not in told['sentences']
+
+
 def test_the_threshold_is_for_what_is_left_after_what_was_said(operator: Preparation) -> None:
     told = explain(operator, threshold=2.0, n=None, said=[EXIT])
 

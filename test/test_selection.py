@@ -270,6 +270,21 @@ def test_the_threshold_is_strict_and_ends_where_saying_more_helps_no_more():
     assert len(smallest_sufficient(four, 99.0, 1).positions) == 1
 
 
+def test_a_size_that_may_suffice_but_had_no_time_to_be_searched_is_told_by_the_gap():
+    # Of (c a c b c c), beside (x b c) and (c d c a a x): a with b excludes both, as soon as the
+    # greedy c's, which are twice as likely here, are taken back.
+    ratio = [[1.0] * 6, [0.5, 0.0, 0.5, 2.0, 0.5, 0.5], [0.5, 2.0, 0.5, 0.0, 0.5, 0.5]]
+    doubtful = evidence([5e-7 / 2.0000005, 1 / 2.0000005, 1 / 2.0000005], ratio)
+    required = math.log(2.0000005 / 5e-7) - 0.1  # H − θ
+
+    searched = smallest_sufficient(doubtful, required, 6)
+    guessed = smallest_sufficient(doubtful, required, 6, budget=0.0)
+
+    assert (searched.positions, searched.optimal) == ((1, 3), True)
+    assert len(guessed.positions) > 2
+    assert not guessed.optimal
+
+
 @generated
 @given(evidences())
 def test_each_step_of_the_order_is_the_best_given_those_before(evidence):
