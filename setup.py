@@ -22,7 +22,7 @@ setup(
     package_data={'': ['static/*', 'templates/*', 'templates/*/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
-        (SHARE, ['package.xml']),
+        (SHARE, ['package.xml', 'LICENSE']),
         *data_files('config'),
         *data_files('launch'),
     ],

@@ -20,13 +20,19 @@ def generate_launch_description() -> LaunchDescription:
             description='parameters of the node',
         ),
         DeclareLaunchArgument('log_level', default_value='info', description='debug, info, ...'),
+        DeclareLaunchArgument(
+            'use_sim_time', default_value='false', description='stamps from /clock'
+        ),
     ]
     node = Node(
         package='mirror_explainer',
         executable='explainer_node',
         name='mirror_explainer',
         namespace=LaunchConfiguration('namespace'),
-        parameters=[LaunchConfiguration('params_file')],
+        parameters=[
+            LaunchConfiguration('params_file'),
+            {'use_sim_time': LaunchConfiguration('use_sim_time')},
+        ],
         arguments=['--log-level', LaunchConfiguration('log_level')],
         output='screen',
     )

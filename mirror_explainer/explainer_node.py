@@ -285,10 +285,11 @@ class ExplainerNode(Node):
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
+    parser = argument_parser()
     try:
-        options = argument_parser().parse_args(remove_ros_args(args)[1:])
+        options = parser.parse_args(remove_ros_args(args)[1:])
     except RCLError as error:
-        sys.exit(f'explainer_node: {str(error).split(", at /")[0].strip()}')
+        parser.error(str(error).split(', at /')[0].strip())
     log_fault = write_fault(get_logging_directory())
     if log_fault:  # a full disk must not keep the node from starting
         args = [*(sys.argv if args is None else args), '--ros-args', '--disable-external-lib-logs']
@@ -308,7 +309,7 @@ def main(args: Sequence[str] | None = None) -> None:
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ParameterException as error:
-        sys.exit(f'explainer_node: {error}')
+        parser.error(str(error))
     except RCLError:
         if rclpy.ok():  # otherwise a signal came just before the executor waited
             raise
