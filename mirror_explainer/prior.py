@@ -154,8 +154,16 @@ def _fact_factors(user_model: UserModel, initial_facts: frozenset[str]) -> Itera
         yield _Factor(
             {frozenset([fact]): probability for fact, probability in group.items()},
             held,
-            f'of {", ".join(group)} what holds is {", ".join(sorted(held)) or "none"}',
+            _held(sorted(held), sorted(group)),
         )
+
+
+def _held(held: Sequence[str], group: Sequence[str]) -> str:
+    """Say which facts of a group hold."""
+    if len(held) == 1:
+        return f'{held[0]} holds'
+    several = f'more than one of {", ".join(group)} holds: {", ".join(held)}'
+    return several if held else f'none of {", ".join(group)} holds'
 
 
 def _belief(outcomes: Sequence[Hashable]) -> Belief:

@@ -4,6 +4,8 @@ After every step it republishes its problem, with the state as it now is, and
 the plan that remains, as a robot's own stack should.
 """
 
+import argparse
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,19 +16,25 @@ from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from unified_planning.engines import UPSequentialSimulator
 from unified_planning.io import PDDLWriter
 from unified_planning.plans import ActionInstance
 
+from mirror_explainer.errors import InputError
 from mirror_explainer.pddl import read_task
 from mirror_explainer.plan_text import read_plan
+from mirror_explainer.text_files import read_text
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class WarehouseRobot(Node):
-    """Publishes `domain`, `problem` and `plan`, latched, and acts a step every `step_period`."""
+    """Publishes `domain`, `problem` and `plan`, latched, and acts a step every `step_period`.
+
+    Raises InputError for files that cannot be read.
+    """
 
     def __init__(self) -> None:
         super().__init__('warehouse_robot')
@@ -44,7 +52,9 @@ class WarehouseRobot(Node):
             ),
         ).value
         self._model = read_task(domain, problem).model
-        self._simulator = UPSequentialSimulator(self._model)
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # it is not sure of costs without a first value
+            self._simulator = UPSequentialSimulator(self._model, error_on_failed_checks=False)
         self._state = self._simulator.get_initial_state()
         self._domain = self.create_publisher(String, 'domain', LATCHED)
         self._problem = self.create_publisher(String, 'problem', LATCHED)
@@ -62,7 +72,7 @@ class WarehouseRobot(Node):
             description=f'the file with the {name[:-5]}', read_only=True
         )
         path = self.declare_parameter(name, str(default), descriptor).value
-        return Path(path).read_text(encoding='utf-8')
+        return read_text(path)
 
     def _step(self) -> None:
         """Carry out the first action of the plan that remains."""
@@ -92,6 +102,13 @@ class WarehouseRobot(Node):
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the robot until it is interrupted."""
+    parser = argparse.ArgumentParser(
+        'warehouse_robot',
+        description='Publish a domain, a problem and a plan, and carry the plan out.',
+        epilog='Parameters follow --ros-args: -p step_period:=5.0, and domain_file, problem_file '
+        'and plan_file for another robot than the example.',
+    )
+    parser.parse_args(remove_ros_args(args)[1:])
     rclpy.init(args=args)
     node = None
     try:
@@ -101,6 +118,8 @@ def main(args: Sequence[str] | None = None) -> None:
             rclpy.spin_once(node, timeout_sec=0.2)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except InputError as error:
+        parser.error(str(error))
     finally:
         if node is not None:
             node.destroy_node()

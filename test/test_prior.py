@@ -257,15 +257,15 @@ def test_equal_candidates_are_one_goal_under_the_first_name_with_a_warning() -> 
         ),
         (
             UserModel(candidates(('(g0)', 1)), one_of=({'(a)': 0.5, '(b)': 0.5},)),
-            'of (a), (b) what holds is (a), (b)',
+            'more than one of (a), (b) holds: (a), (b)',
         ),
         (
             UserModel(candidates(('(g0)', 1)), one_of=({'(r1)': 0.5, '(r2)': 0.5},)),
-            'of (r1), (r2) what holds is none',
+            'none of (r1), (r2) holds',
         ),
         (
             UserModel(candidates(('(g0)', 1)), one_of=({'(a)': 0.0, '(c)': 1.0},)),
-            'of (a), (c) what holds is (a)',
+            '(a) holds',
         ),
     ],
 )

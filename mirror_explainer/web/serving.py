@@ -36,6 +36,9 @@ def serve(address: Address) -> None:
         except KeyboardInterrupt:
             pass
         finally:
+            # A second signal must not cut short what the first one began.
+            for told in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(told, signal.SIG_IGN)
             server.close()
 
 
