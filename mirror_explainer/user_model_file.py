@@ -62,6 +62,7 @@ class UserModelFile(_Section):
 
 # Far more than a model without aliases has.
 _MOST_NODES = 100_000
+_QUOTES = 'Put texts with { at their beginning, or with a colon in them, in quotes.'
 # Control characters and halves of characters, but for white space, which a sentence has anyhow.
 _CONTROL = re.compile('[\0-\x08\x0e-\x1b\x7f-\x84\x86-\x9f\ud800-\udfff]')
 
@@ -92,7 +93,8 @@ def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         reason = f'no YAML that can be read: {error.problem or error.context}'
-        raise InputError(source, reason, mark.line + 1 if mark else None) from error
+        line = mark.line + 1 if mark else None
+        raise InputError(source, reason, line, cure=_QUOTES) from error
     except (yaml.YAMLError, RecursionError, ValueError, LookupError, AttributeError) as error:
         # The last three: PyYAML's constructors meet a tag such as !!int on a text that is none.
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
