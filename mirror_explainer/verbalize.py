@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mirror_explainer.errors import InputError, PlanningError, told
-from mirror_explainer.explainer import STRATEGIES, Explanation, explain
+from mirror_explainer.explainer import Explanation, explain
 from mirror_explainer.offline import (
     add_file_arguments,
     add_planning_arguments,
@@ -19,6 +19,7 @@ from mirror_explainer.offline import (
     strategy_curves,
 )
 from mirror_explainer.selection import informative_order
+from mirror_explainer.strategies import STRATEGIES
 from mirror_explainer.text_files import read_text
 
 _log = logging.getLogger('mirror_explainer')

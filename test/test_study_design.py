@@ -25,9 +25,9 @@ from mirror_explainer.experiments.web_study.design import (
     turns,
 )
 from mirror_explainer.experiments.web_study.drawing import HEIGHT, WIDTH, drawing
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
+from mirror_explainer.strategies import STRATEGIES
 
 
 def plain(name):

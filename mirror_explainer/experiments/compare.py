@@ -13,7 +13,6 @@ from typing import Any
 
 from mirror_explainer.branch_and_bound import TIE
 from mirror_explainer.errors import InputError, PlanningError, told
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.offline import (
@@ -24,6 +23,7 @@ from mirror_explainer.offline import (
     strategy_curves,
 )
 from mirror_explainer.selection import informative_order
+from mirror_explainer.strategies import STRATEGIES
 
 # How sure of the goal the listener should be; 0.85 is the paper's headline.
 LEVELS = (0.5, 0.85, 0.95)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy import stats  # type: ignore[import-untyped]
 
 from mirror_explainer.experiments.study_design import DONT_KNOW, Answer
-from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.strategies import STRATEGIES
 
 PERCENTS = tuple(range(10, 101, 10))
 # Two readings of the paper's hit ratio: is "I don't know" a prediction that missed, or none?

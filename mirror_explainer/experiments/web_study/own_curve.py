@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mirror_explainer.experiments.study_design import Answer
-from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.strategies import STRATEGIES
 
 WIDTH, HEIGHT = 640, 290
 _LEFT, _TOP, _RIGHT, _BOTTOM = 60, 16, 600, 250
