@@ -13,11 +13,10 @@ from mirror_explainer.explainer import Explanation, explain
 from mirror_explainer.offline import (
     add_file_arguments,
     add_planning_arguments,
-    at_least,
     prepare_files,
-    seconds,
     strategy_curves,
 )
+from mirror_explainer.options import number, whole
 from mirror_explainer.selection import informative_order
 from mirror_explainer.strategies import STRATEGIES
 from mirror_explainer.text_files import read_text
@@ -119,9 +118,9 @@ def _summary(explanation: Explanation) -> str:
 
 def _order_table(order: Sequence[dict[str, Any]]) -> str:
     lines = ['Informative order      gain  goal understood']
-    for number, step in enumerate(order, start=1):
+    for n, step in enumerate(order, start=1):
         gain, understanding = step['information_gain'], step['understanding']
-        lines.append(f'{number:3}. {gain:+18.2f} nats  {understanding:6.0%}  {step["sentence"]}')
+        lines.append(f'{n:3}. {gain:+18.2f} nats  {understanding:6.0%}  {step["sentence"]}')
     return '\n'.join(lines)
 
 
@@ -147,16 +146,16 @@ def _parser() -> argparse.ArgumentParser:
     choice = parser.add_argument_group('what to say')
     choice.add_argument(
         '-n',
-        type=_count,
+        type=whole(0),
         help='how many sentences (default 3; with --threshold as many as needed)',
     )
     choice.add_argument(
-        '--threshold', type=seconds, default=0.0, metavar='NATS',
+        '--threshold', type=number(0), default=0.0, metavar='NATS',
         help='say only as many as bring the cross-entropy below this',
     )  # fmt: skip
     choice.add_argument('--strategy', choices=STRATEGIES, default='informative')
     choice.add_argument(
-        '--selection-budget', type=seconds, default=0.5, metavar='S', help='default 0.5 s'
+        '--selection-budget', type=number(0), default=0.5, metavar='S', help='default 0.5 s'
     )
     add_planning_arguments(parser)
     output = parser.add_argument_group('output')
@@ -169,10 +168,6 @@ def _parser() -> argparse.ArgumentParser:
         help='how much to tell, on stderr, of how the work is done (default warning)',
     )  # fmt: skip
     return parser
-
-
-def _count(text: str) -> int:
-    return at_least(0, text)
 
 
 if __name__ == '__main__':

@@ -29,6 +29,7 @@ from mirror_explainer.experiments.planning_cases import (
 from mirror_explainer.experiments.planning_tables import HardRow, Row, draw, hard_table, table
 from mirror_explainer.experiments.pucrs_dataset import listed_locations
 from mirror_explainer.extras import MissingExtras, require_extras
+from mirror_explainer.options import number, whole
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 
 _FACTS, _MANY_FACTS = 4, 8
@@ -165,8 +166,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
     parser.add_argument('--only', default='', help='only instances whose name contains this')
-    parser.add_argument('--sample', type=int, default=4, help='naive calls for each state')
-    parser.add_argument('--deadline', type=float, default=30.0, help='for the hard ones, seconds')
+    parser.add_argument('--sample', type=whole(1), default=4, help='naive calls for each state')
+    parser.add_argument(
+        '--deadline', type=number(0), default=30.0, help='for the hard ones, seconds'
+    )
     parser.add_argument('--figure', type=Path, help='draw FIGURE.png and FIGURE.svg')
     return parser
 

@@ -39,6 +39,7 @@ from mirror_explainer.experiments.plans_tables import (
 )
 from mirror_explainer.experiments.pucrs_dataset import Location, listed_locations
 from mirror_explainer.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.options import whole
 from mirror_explainer.planning import BeliefPlans, BeliefSpace, Planner
 from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import most_informative
@@ -200,8 +201,8 @@ def _parser() -> argparse.ArgumentParser:
         epilog='Exit status: 0, or 2 for bad input.',
     )
     parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
-    parser.add_argument('--limit', type=int, default=1000, help='instances of each domain')
-    parser.add_argument('--renamings', type=int, default=2, help='of the objects, a scene')
+    parser.add_argument('--limit', type=whole(1), default=1000, help='instances of each domain')
+    parser.add_argument('--renamings', type=whole(0), default=2, help='of the objects, a scene')
     parser.add_argument('--only', choices=['choices', 'times'], help='measure these alone')
     return parser
 
