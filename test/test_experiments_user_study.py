@@ -10,6 +10,7 @@ import pytest
 pd = pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
 
 from mirror_explainer.errors import PlanningError  # noqa: E402
+from mirror_explainer.experiments.markdown import markdown_table  # noqa: E402
 from mirror_explainer.experiments.observers import (  # noqa: E402
     KINDS,
     Habits,
@@ -422,6 +423,18 @@ def test_scenarios_left_out_are_named_in_the_report(planned, tmp_path):
     report = (tmp_path / 'report.md').read_text()
     assert '1 of 3 scenarios are left out' in report
     assert '- scenario-9: too slow' in report
+
+
+def test_what_is_missing_is_a_dash_and_a_heading_stays_as_it_is():
+    table = pd.DataFrame({'the nan share': [0.5, math.nan], 'p': [math.nan, 0.01234]})
+
+    heading, _, *rows = markdown_table(table).split('\n')
+
+    assert heading.split() == ['|', 'the', 'nan', 'share', '|', 'p', '|']
+    assert [row.split() for row in rows] == [
+        ['|', '0.50', '|', '–', '|'],
+        ['|', '–', '|', '0.0123', '|'],
+    ]
 
 
 @pytest.mark.parametrize(
