@@ -35,11 +35,6 @@ class Answer:
     goal: str
     answer: str
 
-    @property
-    def correct(self) -> bool:
-        """Whether the answer is the robot's goal."""
-        return self.answer == self.goal
-
 
 def assignment(participants: int, number: int, seed: int) -> tuple[tuple[str, ...], ...]:
     """Return the strategy of every scenario, for every participant.
