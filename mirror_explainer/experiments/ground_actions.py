@@ -17,9 +17,14 @@ class GroundAction:
     deleted: frozenset[str]
 
 
+def ground_words(ground: str) -> list[str]:
+    """Return the name and arguments of an atom or action; the inverse of `pddl.ground_text`."""
+    return ground.strip('()').split()
+
+
 def ground_action(task: Task, action: str) -> GroundAction:
     """Return the atoms of a ground action such as "(move left center)"."""
-    name, *arguments = action.strip('()').split()
+    name, *arguments = ground_words(action)
     model = task.model
     schema = model.action(name)
     objects = [model.object(argument) for argument in arguments]
