@@ -96,16 +96,17 @@ def _order(explanation: Explanation) -> list[dict[str, Any]]:
 
 def _summary(explanation: Explanation) -> str:
     """Return one line on how well the listener now understands, and on what is amiss."""
-    told = explanation.as_dict(hypotheses=False)
-    model = explanation.preparation.model
+    model, said, selection = explanation.preparation.model, explanation.said, explanation.selection
+    after = model.understanding([*said, *selection.positions])
+    gain = selection.information_gain + 0.0  # no -0.0
     goal = model.goals[model.hypotheses[model.robot].goal].name
     summary = (
-        f'The listener now finds the robot\'s goal "{goal}" {told["understanding"]:.0%} likely '
-        f'({told["understanding_before"]:.0%} before); '
-        f'{told["information_gain"]:.2f} of {told["cross_entropy_before"]:.2f} nats told.'
+        f'The listener now finds the robot\'s goal "{goal}" {after:.0%} likely '
+        f'({model.understanding(said):.0%} before); '
+        f'{gain:.2f} of {model.cross_entropy(said):.2f} nats told.'
     )
-    if not explanation.selection.optimal:
-        summary += f' The best choice may tell up to {told["gap"]:.2g} nats more.'
+    if not selection.optimal:
+        summary += f' The best choice may tell up to {selection.gap:.2g} nats more.'
     if model.stand_in_plans:
         summary += (
             f' For {model.stand_in_plans} beliefs only a plan that may not be optimal is known.'
