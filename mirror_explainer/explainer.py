@@ -27,8 +27,6 @@ from mirror_explainer.selection import (
 from mirror_explainer.sentences import Sentences, action_parameters
 from mirror_explainer.user_model import UserModel
 
-STRATEGIES = ('informative', 'increasing', 'decreasing')
-
 
 @dataclass(frozen=True)
 class Seconds:

@@ -32,7 +32,6 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.errors import with_cure
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.node.answers import Answers, printable
 from mirror_explainer.node.diagnostic_message import diagnostic_array
@@ -46,6 +45,7 @@ from mirror_explainer.node.state import Inputs, Phase, State, Text
 from mirror_explainer.node.surroundings import look_around
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.planning import Planner
+from mirror_explainer.strategies import STRATEGIES
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)

@@ -8,6 +8,7 @@ from typing import Any
 
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.mirror_model import MirrorModel
+from mirror_explainer.options import number, whole
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
 from mirror_explainer.selection import Selection, curve, decreasing, increasing
@@ -32,17 +33,17 @@ def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
         '--planner', default='fast-downward-opt', metavar='ENGINE',
         help="unified-planning's name of the engine (default fast-downward-opt)",
     )  # fmt: skip
-    planning.add_argument('--plans-per-belief', type=positive, default=300, metavar='K')
-    planning.add_argument('--max-beliefs', type=positive, default=1024, metavar='M')
+    planning.add_argument('--plans-per-belief', type=whole(1), default=300, metavar='K')
+    planning.add_argument('--max-beliefs', type=whole(1), default=1024, metavar='M')
     planning.add_argument(
-        '--planning-timeout', type=seconds, default=10.0, metavar='S', help='per belief'
+        '--planning-timeout', type=number(0), default=10.0, metavar='S', help='per belief'
     )
     planning.add_argument(
-        '--deadline', type=seconds, default=60.0, metavar='S', help='for all planning'
+        '--deadline', type=number(0), default=60.0, metavar='S', help='for all planning'
     )
-    planning.add_argument('--workers', type=positive, default=2, help='planning processes')
+    planning.add_argument('--workers', type=whole(1), default=2, help='planning processes')
     planning.add_argument(
-        '--planner-memory-limit', type=positive, default=1024, metavar='MIB', help='of a search'
+        '--planner-memory-limit', type=whole(1), default=1024, metavar='MIB', help='of a search'
     )
     planning.add_argument(
         '--downward-binary', default='', metavar='FILE', help="Fast Downward's search, self-built"
@@ -106,26 +107,3 @@ def _measures(selection: Selection, model: MirrorModel, said: Sequence[int]) -> 
         'understanding': model.understanding(heard),
         'gap': selection.gap,
     }
-
-
-def positive(text: str) -> int:
-    """Read an option that is a whole number from 1 up."""
-    return at_least(1, text)
-
-
-def at_least(least: int, text: str) -> int:
-    """Read an option that is a whole number from `least` up."""
-    if not text.isdecimal() or int(text) < least:
-        raise argparse.ArgumentTypeError(f'"{text}" is no whole number from {least} up')
-    return int(text)
-
-
-def seconds(text: str) -> float:
-    """Read an option that is a number from 0 up."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = float('nan')
-    if not 0 <= value < float('inf'):
-        raise argparse.ArgumentTypeError(f'"{text}" is no number from 0 up')
-    return value

@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from mirror_explainer.errors import InputError, PlanningError, told
-from mirror_explainer.explainer import STRATEGIES, Explanation, explain
+from mirror_explainer.explainer import Explanation, explain
 from mirror_explainer.offline import (
     add_file_arguments,
     add_planning_arguments,
-    at_least,
     prepare_files,
-    seconds,
     strategy_curves,
 )
+from mirror_explainer.options import number, whole
 from mirror_explainer.selection import informative_order
+from mirror_explainer.strategies import STRATEGIES
 from mirror_explainer.text_files import read_text
 
 _log = logging.getLogger('mirror_explainer')
@@ -96,16 +96,17 @@ def _order(explanation: Explanation) -> list[dict[str, Any]]:
 
 def _summary(explanation: Explanation) -> str:
     """Return one line on how well the listener now understands, and on what is amiss."""
-    told = explanation.as_dict(hypotheses=False)
-    model = explanation.preparation.model
+    model, said, selection = explanation.preparation.model, explanation.said, explanation.selection
+    after = model.understanding([*said, *selection.positions])
+    gain = selection.information_gain + 0.0  # no -0.0
     goal = model.goals[model.hypotheses[model.robot].goal].name
     summary = (
-        f'The listener now finds the robot\'s goal "{goal}" {told["understanding"]:.0%} likely '
-        f'({told["understanding_before"]:.0%} before); '
-        f'{told["information_gain"]:.2f} of {told["cross_entropy_before"]:.2f} nats told.'
+        f'The listener now finds the robot\'s goal "{goal}" {after:.0%} likely '
+        f'({model.understanding(said):.0%} before); '
+        f'{gain:.2f} of {model.cross_entropy(said):.2f} nats told.'
     )
-    if not explanation.selection.optimal:
-        summary += f' The best choice may tell up to {told["gap"]:.2g} nats more.'
+    if not selection.optimal:
+        summary += f' The best choice may tell up to {selection.gap:.2g} nats more.'
     if model.stand_in_plans:
         summary += (
             f' For {model.stand_in_plans} beliefs only a plan that may not be optimal is known.'
@@ -118,9 +119,9 @@ def _summary(explanation: Explanation) -> str:
 
 def _order_table(order: Sequence[dict[str, Any]]) -> str:
     lines = ['Informative order      gain  goal understood']
-    for number, step in enumerate(order, start=1):
+    for n, step in enumerate(order, start=1):
         gain, understanding = step['information_gain'], step['understanding']
-        lines.append(f'{number:3}. {gain:+18.2f} nats  {understanding:6.0%}  {step["sentence"]}')
+        lines.append(f'{n:3}. {gain:+18.2f} nats  {understanding:6.0%}  {step["sentence"]}')
     return '\n'.join(lines)
 
 
@@ -146,16 +147,16 @@ def _parser() -> argparse.ArgumentParser:
     choice = parser.add_argument_group('what to say')
     choice.add_argument(
         '-n',
-        type=_count,
+        type=whole(0),
         help='how many sentences (default 3; with --threshold as many as needed)',
     )
     choice.add_argument(
-        '--threshold', type=seconds, default=0.0, metavar='NATS',
+        '--threshold', type=number(0), default=0.0, metavar='NATS',
         help='say only as many as bring the cross-entropy below this',
     )  # fmt: skip
     choice.add_argument('--strategy', choices=STRATEGIES, default='informative')
     choice.add_argument(
-        '--selection-budget', type=seconds, default=0.5, metavar='S', help='default 0.5 s'
+        '--selection-budget', type=number(0), default=0.5, metavar='S', help='default 0.5 s'
     )
     add_planning_arguments(parser)
     output = parser.add_argument_group('output')
@@ -168,10 +169,6 @@ def _parser() -> argparse.ArgumentParser:
         help='how much to tell, on stderr, of how the work is done (default warning)',
     )  # fmt: skip
     return parser
-
-
-def _count(text: str) -> int:
-    return at_least(0, text)
 
 
 if __name__ == '__main__':

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from plain_downward import cost_of, plain_costs, problem_of
 
 from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.experiments.planning_speed import every_belief
+from mirror_explainer.experiments.planning_cases import every_belief
 from mirror_explainer.explainer import explain, prepare, robot_plan
 from mirror_explainer.pddl import Task, atom_text, fluent_expression, read_task
 from mirror_explainer.planning import Belief, BeliefSpace, Planner

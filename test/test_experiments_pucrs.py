@@ -8,9 +8,9 @@ import pandas as pd
 import pytest
 
 from mirror_explainer.experiments import pucrs
+from mirror_explainer.experiments.averages import said_at
 from mirror_explainer.experiments.ground_actions import distances_to_goal, ground_action
 from mirror_explainer.experiments.pucrs import main
-from mirror_explainer.experiments.pucrs_averages import said_at
 from mirror_explainer.experiments.pucrs_dataset import find_instances, read_instance
 from mirror_explainer.experiments.pucrs_protocol import Settings, run_instance
 from mirror_explainer.pddl import read_task

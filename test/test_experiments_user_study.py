@@ -10,6 +10,7 @@ import pytest
 pd = pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
 
 from mirror_explainer.errors import PlanningError  # noqa: E402
+from mirror_explainer.experiments.markdown import markdown_table  # noqa: E402
 from mirror_explainer.experiments.observers import (  # noqa: E402
     KINDS,
     Habits,
@@ -38,8 +39,9 @@ from mirror_explainer.experiments.study_statistics import (  # noqa: E402
 )
 from mirror_explainer.experiments.user_study import main  # noqa: E402
 from mirror_explainer.experiments.warehouse_files import read_floor  # noqa: E402
-from mirror_explainer.explainer import STRATEGIES, robot_plan  # noqa: E402
+from mirror_explainer.explainer import robot_plan  # noqa: E402
 from mirror_explainer.planning import Planner  # noqa: E402
+from mirror_explainer.strategies import STRATEGIES  # noqa: E402
 
 SMALL = ['--scenarios', '4', '--participants', '3', '--seed', '109']
 NOISELESS = Noise(temperature=0.0, lapse=0.0, confidence=0.5)
@@ -119,8 +121,10 @@ def test_the_robot_finds_all_goals_of_a_scenario_equally_likely_and_itself_among
 
 
 def test_a_scenario_that_cannot_be_planned_in_time_is_an_error_that_names_a_goal(planned):
-    with Planner() as planner, pytest.raises(PlanningError, match='no plan for ".* door"'):
-        plan_scenario(planned[0].scenario, planner, deadline=0.0)
+    hasty = Planner(planning_timeout=0.0)
+
+    with hasty as planner, pytest.raises(PlanningError, match='no plan for ".* door"'):
+        plan_scenario(planned[0].scenario, planner)
 
 
 # Design
@@ -421,6 +425,18 @@ def test_scenarios_left_out_are_named_in_the_report(planned, tmp_path):
     report = (tmp_path / 'report.md').read_text()
     assert '1 of 3 scenarios are left out' in report
     assert '- scenario-9: too slow' in report
+
+
+def test_what_is_missing_is_a_dash_and_a_heading_stays_as_it_is():
+    table = pd.DataFrame({'the nan share': [0.5, math.nan], 'p': [math.nan, 0.01234]})
+
+    heading, _, *rows = markdown_table(table).split('\n')
+
+    assert heading.split() == ['|', 'the', 'nan', 'share', '|', 'p', '|']
+    assert [row.split() for row in rows] == [
+        ['|', '0.50', '|', '–', '|'],
+        ['|', '–', '|', '0.0123', '|'],
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """What the operator's page says of what was heard of an explainer; neither ROS nor a browser."""
 
 import json
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -46,6 +48,17 @@ SETTINGS = Settings(n=3, strategy='informative', threshold=0.0, remember=False, 
 READY = Status(0, 'ready', 'ready', 'a')
 PLANNING = Status(0, 'planning 3 of 9', 'planning', 'b')
 BAD_PLAN = Status(2, '/plan, line 1: the domain has no action "fly"', 'error', 'b', 'Correct it.')
+PAGE = """
+import sys
+from mirror_explainer.web.operator.site import operator_site
+from mirror_explainer.web.site import configure
+configure(operator_site(None, '/'))
+from django.core.wsgi import get_wsgi_application
+from django.urls import resolve
+get_wsgi_application()
+resolve('/')  # imports the views
+print(*sys.modules)
+"""
 
 
 def answer(**changes: object) -> Answer:
@@ -235,3 +248,11 @@ def test_settings_are_read_in_the_order_of_their_names() -> None:
 def test_what_is_no_explanation_is_named_with_its_topic(text: str) -> None:
     with pytest.raises(InputError, match='^/robot/explanation: this is no explanation'):
         read_answer(text, '/robot/explanation')
+
+
+def test_the_page_needs_neither_numbers_nor_pddl() -> None:
+    pytest.importorskip('django', reason='the extra [web] is not installed')
+    done = subprocess.run([sys.executable, '-c', PAGE], capture_output=True, text=True, check=True)
+
+    assert 'mirror_explainer.web.operator.views' in done.stdout.split()
+    assert not {'numpy', 'unified_planning', 'mirror_explainer.pddl'} & set(done.stdout.split())

@@ -19,7 +19,7 @@ from test_planning import child_sessions, searches_of, wait_until
 
 from mirror_explainer import pddl
 from mirror_explainer.errors import Cancelled
-from mirror_explainer.experiments.planning_speed import every_belief
+from mirror_explainer.experiments.planning_cases import every_belief
 from mirror_explainer.mirror_model import plan_probabilities
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
 

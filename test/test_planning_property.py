@@ -5,6 +5,7 @@ MIRROR_EXPLAINER_BELIEFS sets how many random beliefs are tried (512 without).
 
 import os
 from collections.abc import Iterator
+from fnmatch import fnmatch
 from pathlib import Path
 from random import Random
 
@@ -14,7 +15,12 @@ from hypothesis import strategies as st
 from pddl_cases import random_space, with_changed_state
 from plain_downward import cost_of, plain_costs
 
-from mirror_explainer.experiments.planning_speed import every_belief, read_instance, uncertain_case
+from mirror_explainer.experiments.planning_cases import (
+    every_belief,
+    pucrs_instance,
+    uncertain_case,
+)
+from mirror_explainer.experiments.pucrs_dataset import find_instances
 from mirror_explainer.planning import Planner
 
 BELIEFS_A_SPACE = 16  # 2 goals, 3 uncertain facts
@@ -77,7 +83,10 @@ def test_random_beliefs_cost_what_fast_downward_says(
 def test_beliefs_of_a_goal_recognition_problem_cost_what_fast_downward_says(
     planner: Planner, name: str
 ) -> None:
-    instance = read_instance(sorted(Path(PUCRS).glob(name))[0])
+    domain, pattern = name.split('/')
+    locations = find_instances(Path(PUCRS))[domain]
+    location = next(found for found in locations if fnmatch(found.name, pattern))
+    instance = pucrs_instance(location, Path(PUCRS))
     space = uncertain_case(planner, instance, 4, Random(name)).space
     asked = Random(name).sample(every_belief(space), 8)
 

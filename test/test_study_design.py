@@ -25,9 +25,9 @@ from mirror_explainer.experiments.web_study.design import (
     turns,
 )
 from mirror_explainer.experiments.web_study.drawing import HEIGHT, WIDTH, drawing
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
+from mirror_explainer.strategies import STRATEGIES
 
 
 def plain(name):
@@ -121,7 +121,8 @@ def test_an_encounter_has_what_the_simulated_participants_hear(planned):
 
 def test_a_design_has_the_hit_ratios_of_the_simulated_study_and_is_kept_as_it_is(planned):
     pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
-    from mirror_explainer.experiments.study_statistics import PERCENTS, answer_table, curves
+    from mirror_explainer.experiments.averages import PERCENTS
+    from mirror_explainer.experiments.study_statistics import answer_table, curves
 
     made = design(3, 1, planned, [planned])
 

@@ -13,17 +13,17 @@ from typing import Any
 
 from mirror_explainer.columns import TIE
 from mirror_explainer.errors import InputError, PlanningError, told
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.offline import (
     add_file_arguments,
     add_planning_arguments,
     prepare_files,
-    seconds,
     strategy_curves,
 )
+from mirror_explainer.options import number
 from mirror_explainer.selection import informative_order
+from mirror_explainer.strategies import STRATEGIES
 
 # How sure of the goal the listener should be; 0.85 is the paper's headline.
 LEVELS = (0.5, 0.85, 0.95)
@@ -158,7 +158,7 @@ def _parser() -> argparse.ArgumentParser:
     add_planning_arguments(parser)
     output = parser.add_argument_group('output')
     output.add_argument(
-        '--selection-budget', type=seconds, default=10.0, metavar='S', help='default 10 s'
+        '--selection-budget', type=number(0), default=10.0, metavar='S', help='default 10 s'
     )
     output.add_argument(
         '--output', type=Path, metavar='FILE', help='draw the figure: FILE.png and FILE.svg'

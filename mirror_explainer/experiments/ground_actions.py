@@ -1,6 +1,6 @@
 """What a plan's actions need and bring about, as atoms, and how far from the goal they are."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import unified_planning.model as up
@@ -17,9 +17,14 @@ class GroundAction:
     deleted: frozenset[str]
 
 
+def ground_words(ground: str) -> list[str]:
+    """Return the name and arguments of an atom or action; the inverse of `pddl.ground_text`."""
+    return ground.strip('()').split()
+
+
 def ground_action(task: Task, action: str) -> GroundAction:
     """Return the atoms of a ground action such as "(move left center)"."""
-    name, *arguments = action.strip('()').split()
+    name, *arguments = ground_words(action)
     model = task.model
     schema = model.action(name)
     objects = [model.object(argument) for argument in arguments]
@@ -42,6 +47,11 @@ def ground_action(task: Task, action: str) -> GroundAction:
         added=atoms([effect.fluent for effect in effects if effect.value.is_true()]),
         deleted=atoms([effect.fluent for effect in effects if effect.value.is_false()]),
     )
+
+
+def needed_facts(task: Task, plan: Iterable[str]) -> frozenset[str]:
+    """Return the atoms that are a precondition of any of the plan's actions."""
+    return frozenset[str]().union(*(ground_action(task, a).preconditions for a in plan))
 
 
 def distances_to_goal(task: Task, plan: Sequence[str]) -> list[float]:

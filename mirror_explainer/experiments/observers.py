@@ -11,6 +11,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from mirror_explainer.experiments.ground_actions import ground_words
 from mirror_explainer.experiments.scenarios import ITEMS
 from mirror_explainer.experiments.study_plans import CHARGED, PlannedScenario
 from mirror_explainer.mirror_model import Array, MirrorModel
@@ -98,12 +99,12 @@ def misheard(planned: PlannedScenario, random: Generator) -> tuple[str, ...]:
     by_action: dict[str, list[str]] = {}
     for action in _actions(planned):
         sentence = planned.sentences.of(action)
-        alike = by_action.setdefault(_name(action), [])
+        alike = by_action.setdefault(ground_words(action)[0], [])
         if sentence not in alike:
             alike.append(sentence)
     heard = []
     for action, sentence in zip(planned.plan.actions, planned.model.sentences, strict=True):
-        others = [other for other in by_action[_name(action)] if other != sentence]
+        others = [other for other in by_action[ground_words(action)[0]] if other != sentence]
         slips = random.random() < MISHEARD
         heard.append(str(random.choice(others)) if slips and others else sentence)
     return tuple(heard)
@@ -128,7 +129,7 @@ def _literal(planned: PlannedScenario, vocabulary: tuple[str, ...]) -> Theory:
     scenario = planned.scenario
     things = {*scenario.all_items, *scenario.floor.doors}
     named = {
-        planned.sentences.of(action): things & set(action.strip('()').split())
+        planned.sentences.of(action): things & set(ground_words(action))
         for action in _actions(planned)
     }
     parts = [{*goal.items, goal.door} for goal in scenario.goals]
@@ -144,7 +145,3 @@ def _actions(planned: PlannedScenario) -> list[str]:
     """Return the distinct ground actions of all plans, in a fixed order."""
     plans = planned.plans.values()
     return list(dict.fromkeys(action for plan in plans for action in plan.actions))
-
-
-def _name(action: str) -> str:
-    return action.strip('()').split()[0]

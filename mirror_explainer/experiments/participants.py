@@ -16,8 +16,8 @@ from mirror_explainer.experiments.observers import (
 )
 from mirror_explainer.experiments.study_design import DONT_KNOW, Answer, verbalizations
 from mirror_explainer.experiments.study_plans import PlannedScenario
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.mirror_model import Array
+from mirror_explainer.strategies import STRATEGIES
 
 
 @dataclass(frozen=True)

@@ -8,151 +8,46 @@ from the planner. Prints Markdown tables.
 
 import argparse
 import itertools
-import json
-import re
-import statistics
 import sys
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.experiments.planning_speed import (
-    every_belief,
+from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.experiments.planning_cases import (
+    pucrs_instance,
+    running_planner,
+    timed,
     uncertain_case,
     warehouse,
 )
-from mirror_explainer.experiments.planning_speed import read_instance as read_timed
-from mirror_explainer.experiments.pucrs_dataset import find_instances, read_instance
-from mirror_explainer.experiments.pucrs_protocol import draw_facts, draw_goals
-from mirror_explainer.experiments.warehouse_files import warehouse_folder
+from mirror_explainer.experiments.plans_scenes import (
+    Scene,
+    pucrs_scene,
+    renamed,
+    warehouse_scene,
+)
+from mirror_explainer.experiments.plans_tables import (
+    COUNTS,
+    SIZES,
+    Choice,
+    Cold,
+    cold_table,
+    regret_table,
+    renaming_table,
+)
+from mirror_explainer.experiments.pucrs_dataset import Location, listed_locations
 from mirror_explainer.mirror_model import MirrorModel, mirror_model
-from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner
+from mirror_explainer.options import whole
+from mirror_explainer.planning import BeliefPlans, BeliefSpace, Planner
 from mirror_explainer.prior import belief_prior
 from mirror_explainer.selection import most_informative
 from mirror_explainer.sentences import Sentences, action_parameters
-from mirror_explainer.user_model import CandidateGoal, UserModel, read_user_model
 
-COUNTS = (1, 3, 10, 30, 100, 300)
-SIZES = (1, 2, 3, 4)
 REFEREE = 1000
-_FACTS, _TIMED_FACTS = 2, 4
-_DEADLINE = 60.0  # seconds
+_TIMED_FACTS = 4
 _BUDGET = 2.0  # seconds for one selection
-
-
-@dataclass(frozen=True)
-class Scene:
-    """The robot's task and plan, and what the listener believes."""
-
-    domain: str
-    name: str
-    task: Task
-    plan: Plan
-    user_model: UserModel
-
-
-@dataclass(frozen=True)
-class Choice:
-    """What is said with so many plans a belief, and what the referee thinks of it, in nats.
-
-    `changed` says, for each renaming of the objects, whether another set of
-    sentences would have been said.
-    """
-
-    domain: str
-    count: int
-    size: int
-    regret: float
-    best: float
-    changed: tuple[bool, ...]
-
-
-@dataclass(frozen=True)
-class Cold:
-    """Seconds and searches of planning for 64 beliefs of a new problem."""
-
-    domain: str
-    count: int
-    seconds: float
-    searches: int
-
-
-def pucrs_scene(planner: Planner, dataset: Path, domain: str, name: str) -> Scene:
-    """Draw goals and facts of an instance of the data set, as in the paper's protocol."""
-    [location] = [found for found in find_instances(dataset)[domain] if found.name == name]
-    problem = read_instance(location, dataset)
-    random = Random(name)
-    draw = draw_goals(problem, planner, _DEADLINE, random, name)
-    task = read_task(problem.domain, problem.problem(draw.goals[0]), name, name)
-    facts = draw_facts(task, draw.plan, random, name)[:_FACTS]
-    goals = tuple(CandidateGoal(goal, goal, 1 / len(draw.goals)) for goal in draw.goals)
-    model = UserModel(goals, dict.fromkeys(facts, 0.5))
-    return Scene(domain, name, task, draw.plan, model)
-
-
-def warehouse_scene(planner: Planner) -> Scene:
-    """Return the demo: the robot, and the operator who meets it, unsure of the battery."""
-    folder = warehouse_folder()
-    task = read_task((folder / 'domain.pddl').read_text(), (folder / 'problem.pddl').read_text())
-    model = read_user_model(folder / 'user_model.yaml', task)
-    prior = belief_prior(task, model)
-    [own] = planner.plan(prior.space, [prior.beliefs[prior.robot_belief]]).results
-    unsure = replace(model, uncertain_facts={'(charged)': 0.5})
-    return Scene('warehouse', 'warehouse', task, own.plans[0], unsure)
-
-
-def renamed(scene: Scene, random: Random) -> Scene:
-    """Return the scene with other names for the objects, and nothing else changed."""
-    taken = {
-        *(action.name for action in scene.task.model.actions),
-        *(fluent.name for fluent in scene.task.model.fluents),
-        *(kind.name for kind in scene.task.model.user_types),
-    }
-    objects = sorted({item.name for item in scene.task.model.all_objects} - taken)
-    numbers = random.sample(range(len(objects)), len(objects))
-    names = {item: f'renamed{number:04}' for item, number in zip(objects, numbers, strict=True)}
-
-    def other(text: str) -> str:
-        return _with_names(text, names)
-
-    model = scene.user_model
-    task = read_task(other(scene.task.domain), other(scene.task.problem))
-    return replace(
-        scene,
-        task=task,
-        plan=replace(scene.plan, actions=tuple(map(other, scene.plan.actions))),
-        user_model=UserModel(
-            tuple(replace(goal, goal=other(goal.goal)) for goal in model.goals),
-            {other(fact): share for fact, share in model.uncertain_facts.items()},
-            templates={
-                action: replace(
-                    template,
-                    when={
-                        parameter: {other(item): said for item, said in wordings.items()}
-                        for parameter, wordings in template.when.items()
-                    },
-                )
-                for action, template in model.templates.items()
-            },
-            objects={names[item]: called for item, called in _called(scene, names).items()},
-        ),
-    )
-
-
-def _called(scene: Scene, names: Mapping[str, str]) -> dict[str, str]:
-    """Return what each renamed object is called in the sentences: as before."""
-    readable = {item: item.replace('-', ' ').replace('_', ' ') for item in names}
-    own = {item: said for item, said in scene.user_model.objects.items() if item in names}
-    return {**readable, **own}
-
-
-def _with_names(text: str, names: Mapping[str, str]) -> str:
-    without_comments = re.sub(r';[^\n]*', '', text).lower()
-    return re.sub(r'[^\s()]+', lambda word: names.get(word[0], word[0]), without_comments)
 
 
 class Listener:
@@ -224,97 +119,32 @@ def _sentences(model: MirrorModel, positions: Sequence[int]) -> list[str]:
 
 def cold(domain: str, space: BeliefSpace, count: int) -> Cold:
     """Measure planning for all beliefs of a space by a planner that knows another problem."""
-    other = warehouse()
-    with Planner() as planner:
-        planner.plan(BeliefSpace(other.domain, other.problem, other.goals), [Belief(0)])
-        began = time.perf_counter()
-        report = planner.plan(space, every_belief(space), plans_per_belief=count)
-        seconds = time.perf_counter() - began
+    with running_planner() as planner:
+        seconds, report = timed(planner, space, plans_per_belief=count)
     return Cold(domain, count, seconds, report.planner_calls)
 
 
-def regret_table(found: Sequence[Choice]) -> str:
-    """Return the regret as Markdown: mean and worst in nats, and share of the referee's best."""
-    lines = [
-        '| domain | plans a belief | '
-        + ' | '.join(f'N = {size}: mean, worst' for size in SIZES)
-        + ' | share of the best |',
-        '|---|---' + '|---' * (len(SIZES) + 1) + '|',
+def _easy_instances(dataset: Path, limit: int) -> list[Location]:
+    """Return the instances that optimal planning finishes, some of each domain."""
+    found = listed_locations(dataset, hard=False)
+    domains = [location.domain for location in found]
+    return [
+        location
+        for index, location in enumerate(found)
+        if domains[:index].count(location.domain) < limit
     ]
-    for domain in _domains(found):
-        for count in COUNTS:
-            own = [c for c in found if (c.domain, c.count) == (domain, count)]
-            cells = [_nats([c.regret for c in own if c.size == size]) for size in SIZES]
-            lines.append(f'| {domain} | {count} | {" | ".join(cells)} | {_share(own):.1%} |')
-    return '\n'.join(lines)
 
 
-def _nats(regrets: Sequence[float]) -> str:
-    return f'{statistics.mean(regrets):.2f}, {max(regrets):.2f}' if regrets else '–'
-
-
-def _share(found: Sequence[Choice]) -> float:
-    """Return the summed regret as a share of the summed best."""
-    best = sum(choice.best for choice in found)
-    return sum(choice.regret for choice in found) / best if best > 0 else 0.0
-
-
-def renaming_table(found: Sequence[Choice]) -> str:
-    """Return how often renaming the objects changes the sentences said, as Markdown."""
-
-    def changed(domain: str, count: int) -> str:
-        own = [c.changed for c in found if c.count == count and domain in (c.domain, 'all')]
-        cases = [each for one in own for each in one]
-        return f'{statistics.mean(cases):.1%} of {len(cases)}' if cases else '–'
-
-    return _by_count([*_domains(found), 'all'], changed)
-
-
-def cold_table(found: Sequence[Cold]) -> str:
-    """Return the seconds of cold planning, as Markdown."""
-
-    def seconds(domain: str, count: int) -> str:
-        own = [c for c in found if c.count == count and domain in (c.domain, 'all')]
-        times = [c.seconds for c in own]
-        searches = statistics.median(c.searches for c in own)
-        return f'{statistics.median(times):.2f}, {max(times):.2f} ({searches:.0f})'
-
-    return _by_count([*dict.fromkeys(c.domain for c in found), 'all'], seconds)
-
-
-def _domains(found: Sequence[Choice]) -> list[str]:
-    return list(dict.fromkeys(choice.domain for choice in found))
-
-
-def _by_count(domains: Sequence[str], cell: Callable[[str, int], str]) -> str:
-    lines = [
-        f'| domain | {" | ".join(f"k = {count}" for count in COUNTS)} |',
-        '|---' * (len(COUNTS) + 1) + '|',
-    ]
-    for domain in domains:
-        lines.append(f'| {domain} | {" | ".join(cell(domain, count) for count in COUNTS)} |')
-    return '\n'.join(lines)
-
-
-def _easy_instances(dataset: Path, limit: int) -> Iterator[tuple[str, str]]:
-    """Yield domain and name of the instances that optimal planning finishes, some a domain."""
-    taken: dict[str, int] = {}
-    for entry in json.loads((dataset / 'manifest.json').read_text())['instances']:
-        domain = entry['domain']
-        if entry['lmcut_tier'] != 'hard' and taken.get(domain, 0) < limit:
-            taken[domain] = taken.get(domain, 0) + 1
-            yield domain, entry['instance']
-
-
-def _said(options: argparse.Namespace, names: Sequence[tuple[str, str]]) -> Iterator[Choice]:
-    """Yield the choices in the warehouse and in the instances named."""
-    for domain, name in [('', 'warehouse'), *names]:
+def _said(options: argparse.Namespace, locations: Sequence[Location]) -> Iterator[Choice]:
+    """Yield the choices in the warehouse and in the instances there."""
+    for location in (None, *locations):
+        name = location.name if location else 'warehouse'
         _tell(name)
         with Planner(planning_timeout=30.0) as planner:
             try:
                 scene = (
-                    pucrs_scene(planner, options.pucrs, domain, name)
-                    if domain
+                    pucrs_scene(planner, location, options.pucrs)
+                    if location
                     else warehouse_scene(planner)
                 )
                 yield from choices(planner, scene, options.renamings)
@@ -322,10 +152,10 @@ def _said(options: argparse.Namespace, names: Sequence[tuple[str, str]]) -> Iter
                 _tell(f'left out: {name}: {error}')
 
 
-def _timed(options: argparse.Namespace, names: Sequence[tuple[str, str]]) -> Iterator[Cold]:
-    """Yield the times in the warehouse and in the instances named."""
+def _timed(options: argparse.Namespace, locations: Sequence[Location]) -> Iterator[Cold]:
+    """Yield the times in the warehouse and in the instances there."""
     instances = [('warehouse', warehouse())]
-    instances += [(domain, read_timed(options.pucrs / domain / name)) for domain, name in names]
+    instances += [(where.domain, pucrs_instance(where, options.pucrs)) for where in locations]
     for domain, instance in instances:
         _tell(f'time of {instance.name}')
         with Planner() as planner:
@@ -338,25 +168,44 @@ def _tell(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def main() -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
-    parser.add_argument('--limit', type=int, default=1000, help='instances of each domain')
-    parser.add_argument('--renamings', type=int, default=2, help='of the objects, a scene')
-    parser.add_argument('--only', choices=['choices', 'times'], help='measure these alone')
-    options = parser.parse_args()
-    names = list(_easy_instances(options.pucrs, options.limit)) if options.pucrs else []
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure and print; return 0, or 2 for bad input, told on stderr."""
+    options = _parser().parse_args(arguments)
+    try:
+        _measure(options)
+    except (InputError, PlanningError, OSError) as error:
+        _tell(f'plans_per_belief: {told(error)}')
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def _measure(options: argparse.Namespace) -> None:
+    locations = _easy_instances(options.pucrs, options.limit) if options.pucrs else []
     if options.only != 'times':
-        said = list(_said(options, names))
+        said = list(_said(options, locations))
         print('Information gain lost, in nats, under a referee that knows all plans:\n')
         print(regret_table(said))
         print('\nHow often renaming the objects changes what is said:\n')
         print(renaming_table(said), flush=True)
     if options.only != 'choices':
         print('\nCold planning for 64 beliefs, s: median, worst (searches in the median):\n')
-        print(cold_table(list(_timed(options, names))))
+        print(cold_table(list(_timed(options, locations))))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='plans_per_belief',
+        description='Measure what a selection loses that knows only some plans of each belief.',
+        epilog='Exit status: 0, or 2 for bad input.',
+    )
+    parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
+    parser.add_argument('--limit', type=whole(1), default=1000, help='instances of each domain')
+    parser.add_argument('--renamings', type=whole(0), default=2, help='of the objects, a scene')
+    parser.add_argument('--only', choices=['choices', 'times'], help='measure these alone')
+    return parser
 
 
 if __name__ == '__main__':
-    main()
+    sys.exit(main())

@@ -26,6 +26,7 @@ from mirror_explainer.experiments.pucrs_dataset import (
 )
 from mirror_explainer.experiments.pucrs_protocol import Settings, run_instance
 from mirror_explainer.extras import MissingExtras, require_extras
+from mirror_explainer.options import number, whole
 
 # In the order of the paper's figure, by the names of the data set's folders.
 PAPER_DOMAINS = (
@@ -231,17 +232,17 @@ def _parser() -> argparse.ArgumentParser:
         metavar='NAME',
         help="folders of the data set (default: the paper's)",
     )
-    parser.add_argument('--instances', type=_positive, default=10, help='per domain (default 10)')
-    parser.add_argument('--seed', type=int, default=0, help='of all that is drawn (default 0)')
+    parser.add_argument('--instances', type=whole(1), default=10, help='per domain (default 10)')
     parser.add_argument(
-        '--jobs', type=_positive, default=2, help='instances at a time (default 2)'
+        '--seed', type=whole(0), default=0, help='of all that is drawn (default 0)'
     )
+    parser.add_argument('--jobs', type=whole(1), default=2, help='instances at a time (default 2)')
     parser.add_argument(
         '--output', type=Path, default=Path('pucrs_results'), metavar='DIR',
         help='default: pucrs_results; an interrupted run resumes from what is there',
     )  # fmt: skip
     parser.add_argument(
-        '--plans-per-belief', type=_positive, default=1, metavar='K',
+        '--plans-per-belief', type=whole(1), default=1, metavar='K',
         help='at most so many optimal plans, different in more than their order (default 1)',
     )  # fmt: skip
     parser.add_argument('--planner', default=Settings.planner, metavar='ENGINE')
@@ -252,26 +253,11 @@ def _parser() -> argparse.ArgumentParser:
     ):
         default = getattr(Settings, name)
         parser.add_argument(
-            f'--{name.replace("_", "-")}', type=_seconds, default=default, metavar='S',
+            f'--{name.replace("_", "-")}',
+            type=number(0, above=True), default=default, metavar='S',
             help=f'{meaning} (default {default:g} s)',
         )  # fmt: skip
     return parser
-
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f'"{text}" is no whole number from 1 up')
-    return int(text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float('nan')
-    if not 0 < value < float('inf'):
-        raise argparse.ArgumentTypeError(f'"{text}" is no number above 0')
-    return value
 
 
 if __name__ == '__main__':

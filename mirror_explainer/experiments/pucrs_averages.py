@@ -1,17 +1,15 @@
 """The benchmark's results as tables: every row, their averages, and the paper's domains."""
 
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
-from scipy.stats import bootstrap  # type: ignore[import-untyped]
 
-PERCENTS = range(10, 101, 10)
+from mirror_explainer.experiments.averages import PERCENTS, mean_interval, said_at
+
 MEASURES = ('G_inf', 'D_G', 'H', 'IG', 'understanding')
-CONFIDENCE, RESAMPLES = 0.95, 2000
+RESAMPLES = 2000
 
 # The paper's table: |P|, |A|, |I|, |G|, |π|.
 PAPER_TABLE: Mapping[str, tuple[float, float, float, float, float]] = {
@@ -22,11 +20,6 @@ PAPER_TABLE: Mapping[str, tuple[float, float, float, float, float]] = {
     'blocks-world': (5, 4, 14.58, 20.28, 14.50),
     'miconic': (8, 4, 517, 6, 35.57),
 }
-
-
-def said_at(percent: int, plan_length: int) -> int:
-    """N = max(1, round(x·|π_R|)); halves are rounded to the even number."""
-    return max(1, round(percent * plan_length / 100))
 
 
 def every_row(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
@@ -47,8 +40,7 @@ def at_percents(rows: pd.DataFrame) -> pd.DataFrame:
     """Return each instance's and strategy's row at 10 %, 20 %, … 100 % of its plan."""
     parts = []
     for percent in PERCENTS:
-        wanted = rows['plan_length'].map(lambda length, x=percent: said_at(x, length))
-        part = rows[rows['N'] == wanted].copy()
+        part = rows[rows['N'] == said_at(percent, rows['plan_length'])].copy()
         part.insert(2, 'percent', percent)
         parts.append(part)
     return pd.concat(parts, ignore_index=True)
@@ -64,7 +56,8 @@ def averages(shares: pd.DataFrame) -> pd.DataFrame:
         ['domain', 'strategy', 'percent'], sort=False
     ):
         for measure in MEASURES:
-            mean, low, high = mean_interval(np.asarray(group[measure], dtype=np.float64))
+            values = np.asarray(group[measure], dtype=np.float64)
+            mean, low, high = mean_interval(values, RESAMPLES)
             lines.append(
                 {
                     'domain': domain,
@@ -78,20 +71,6 @@ def averages(shares: pd.DataFrame) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(lines)
-
-
-def mean_interval(values: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Return the mean and its 95 % percentile bootstrap interval; always the same for a sample."""
-    mean = float(values.mean())
-    if np.ptp(values) == 0:
-        return mean, mean, mean
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore')
-        found = bootstrap(
-            (values,), np.mean, n_resamples=RESAMPLES, confidence_level=CONFIDENCE,
-            method='percentile', random_state=np.random.default_rng(0),
-        ).confidence_interval  # fmt: skip
-    return mean, float(found.low), float(found.high)
 
 
 def domain_measures(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

@@ -8,11 +8,12 @@ real_hyp.dat and, in the original archives, obs.dat.
 import json
 import re
 import tarfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.text_files import read_text
 
 _REQUIRED = ('domain.pddl', 'template.pddl', 'hyps.dat', 'real_hyp.dat')
 _FILES = (*_REQUIRED, 'obs.dat')
@@ -31,6 +32,20 @@ class Location:
     name: str
     path: Path
     full: bool
+
+
+@dataclass(frozen=True)
+class Listed:
+    """An instance as manifest.json lists it, which our copy of the data set has.
+
+    `hard` are those that optimal planning cannot finish; `observed` is the length
+    of the recorded plan, None where it is not known.
+    """
+
+    domain: str
+    name: str
+    hard: bool
+    observed: int | None
 
 
 @dataclass(frozen=True)
@@ -102,6 +117,44 @@ def read_instance(location: Location, dataset: Path) -> RecognitionProblem:
     )
 
 
+def manifest(dataset: Path) -> list[Listed]:
+    """Return what the data set's manifest.json lists, in its order.
+
+    Raises InputError if there is none, or if it is something else.
+    """
+    file = str(dataset / 'manifest.json')
+    text = read_text(file)
+    try:
+        return [
+            Listed(
+                entry['domain'],
+                entry['instance'],
+                hard=entry.get('lmcut_tier') == 'hard',
+                observed=entry.get('obs100_len'),
+            )
+            for entry in json.loads(text)['instances']
+        ]
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(file, 'it does not list "instances" by "domain"') from error
+
+
+def listed_locations(dataset: Path, *, hard: bool) -> list[Location]:
+    """Return where the hard instances of the manifest are, or the others, in its order.
+
+    Raises InputError if there is no manifest, or one of them is not there.
+    """
+    found = {
+        (location.domain, location.name): location
+        for locations in find_instances(dataset).values()
+        for location in locations
+    }
+    listed = [(entry.domain, entry.name) for entry in manifest(dataset) if entry.hard is hard]
+    missing = ', '.join('/'.join(place) for place in listed if place not in found)
+    if missing:
+        raise InputError(str(dataset), f'the manifest lists what is not there: {missing}')
+    return [found[place] for place in listed]
+
+
 def _locations(dataset: Path) -> Iterator[Location]:
     archives = [(path, path.name.removesuffix(_ARCHIVE)) for path in dataset.rglob(f'*{_ARCHIVE}')]
     folders = [(path.parent, path.parent.name) for path in dataset.rglob('template.pddl')]
@@ -150,13 +203,11 @@ def _goal(line: str) -> str:
 
 
 def _listed_length(dataset: Path, location: Location) -> int | None:
-    """Return the recorded plan's length from a manifest.json of the data set, if there is one."""
+    """Return the recorded plan's length from the manifest, if there is one that has it."""
     try:
-        listed = json.loads((dataset / 'manifest.json').read_text('utf-8'))['instances']
-        lengths: Mapping[tuple[str, str], object] = {
-            (entry['domain'], entry['instance']): entry['obs100_len'] for entry in listed
-        }
-    except (OSError, ValueError, KeyError, TypeError):
+        listed = manifest(dataset)
+    except InputError:
         return None
+    lengths = {(entry.domain, entry.name): entry.observed for entry in listed}
     length = lengths.get((location.domain, location.name))
     return length if isinstance(length, int) else None

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import wilcoxon  # type: ignore[import-untyped]
 
-from mirror_explainer.experiments.pucrs_averages import mean_interval
+from mirror_explainer.experiments.averages import mean_interval
+from mirror_explainer.experiments.pucrs_averages import RESAMPLES
 
 _ROUNDING = 1e-9
 # What counts as "equally informative", in nats: a listener of two equally likely
@@ -160,5 +161,5 @@ def _listed(values: dict[str, float]) -> str:
 
 
 def _interval(values: 'pd.Series[float]') -> str:
-    mean, low, high = mean_interval(np.asarray(values, dtype=np.float64))
+    mean, low, high = mean_interval(np.asarray(values, dtype=np.float64), RESAMPLES)
     return f'{mean:.2f} [{low:.2f}, {high:.2f}]'

@@ -16,7 +16,11 @@ import numpy as np
 
 from mirror_explainer.columns import TIE
 from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.experiments.ground_actions import distances_to_goal, ground_action
+from mirror_explainer.experiments.ground_actions import (
+    distances_to_goal,
+    ground_action,
+    needed_facts,
+)
 from mirror_explainer.experiments.pucrs_dataset import Location, RecognitionProblem
 from mirror_explainer.explainer import Preparation, prepare
 from mirror_explainer.mirror_model import Evidence, MirrorModel
@@ -210,8 +214,7 @@ def draw_goals(
 
 def draw_facts(task: Task, plan: Plan, random: Random, source: str) -> tuple[str, ...]:
     """Draw four facts that hold initially and that the plan's actions need, or all there are."""
-    needed = {fact for a in plan.actions for fact in ground_action(task, a).preconditions}
-    holding = sorted(needed & task.initial_facts)
+    holding = sorted(needed_facts(task, plan.actions) & task.initial_facts)
     if not holding:
         raise InputError(source, "no precondition of the robot's plan holds initially")
     return tuple(random.sample(holding, min(UNCERTAIN_FACTS, len(holding))))

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from mirror_explainer.experiments.figures import save
+from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.experiments.pucrs_averages import (
     at_percents,
     averages,
@@ -54,7 +55,9 @@ def _findings(found: Sequence[Finding]) -> str:
         [{'the paper': f.claim, 'held': f.held, 'numbers': f.numbers} for f in found]
     )
     return (
-        "## The paper's findings\n\n" + _markdown(table) + '\n\nMeans with their 95 % percentile '
+        "## The paper's findings\n\n"
+        + markdown_table(table)
+        + '\n\nMeans with their 95 % percentile '
         'bootstrap interval in brackets, instances resampled.'
     )
 
@@ -78,7 +81,7 @@ def _means_table(means: pd.DataFrame) -> str:
     ).reset_index()
     table = table[(table['measure'] != 'G_inf') | (table['strategy'] != 'informative')]
     table.columns = [f'{c} %' if isinstance(c, int) else str(c) for c in table.columns]
-    return '## Means\n\n' + _markdown(table)
+    return '## Means\n\n' + markdown_table(table)
 
 
 def _domains(domains: pd.DataFrame) -> str:
@@ -91,7 +94,7 @@ def _domains(domains: pd.DataFrame) -> str:
     )
     return (
         '## The domains\n\n'
-        + _markdown(domains)
+        + markdown_table(domains)
         + '\n\nMeans over the instances. Initial facts are those that hold, goals those of the '
         'pool. The paper calls its last column the length of optimal plans. Here are both '
         'readings: "recorded plan" is the mean length of the recorded observations (obs.dat), '
@@ -132,9 +135,3 @@ def _left_out(records: Sequence[Mapping[str, Any]]) -> str:
     lines += ['', f'{len(goals)} drawn goals cannot be reached; others were drawn in their place.']
     lines += [''] * bool(goals)
     return '\n'.join([*lines, *goals])
-
-
-def _markdown(table: pd.DataFrame) -> str:
-    return str(
-        table.to_markdown(index=False, floatfmt='.2f', missingval='–').replace(' nan ', ' – ')
-    )

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from random import Random
 
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.selection import curve, informative_order
+from mirror_explainer.strategies import STRATEGIES
 
 DONT_KNOW = "I don't know"
 PEOPLE = 'people'  # the observer of an answer that was given by a person
@@ -34,11 +34,6 @@ class Answer:
     said: str
     goal: str
     answer: str
-
-    @property
-    def correct(self) -> bool:
-        """Whether the answer is the robot's goal."""
-        return self.answer == self.goal
 
 
 def assignment(participants: int, number: int, seed: int) -> tuple[tuple[str, ...], ...]:

@@ -17,6 +17,7 @@ from mirror_explainer.user_model import UserModel
 
 CHARGED = '(charged)'
 LEAST_SCENARIOS = 3  # so that everybody hears every strategy
+_DEADLINE = 60.0  # s, for one scenario
 
 
 @dataclass(frozen=True)
@@ -101,14 +102,14 @@ def plan_scenarios(
     return planned, left_out
 
 
-def plan_scenario(scenario: Scenario, planner: Planner, deadline: float = 60.0) -> PlannedScenario:
-    """Plan for the scenario. Raises PlanningError unless every plan is found in `deadline` s."""
+def plan_scenario(scenario: Scenario, planner: Planner) -> PlannedScenario:
+    """Plan for the scenario. Raises PlanningError unless every plan is found in time."""
     task = read_task(scenario.floor.domain, scenario.problem, problem_source=scenario.name)
     goals = [*scenario.goals, *_one_item_more(scenario)]
     space = BeliefSpace(task.domain, task.problem, tuple(g.pddl for g in goals), (CHARGED,))
     states = {True: frozenset([CHARGED]), False: frozenset[str]()}
     beliefs = [Belief(goal, facts) for goal in range(len(goals)) for facts in states.values()]
-    report = planner.plan(space, beliefs, deadline=deadline)
+    report = planner.plan(space, beliefs, deadline=_DEADLINE)
     plans = {}
     for belief, result in zip(beliefs, report.results, strict=True):
         goal = goals[belief.goal]

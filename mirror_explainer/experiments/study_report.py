@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from mirror_explainer.experiments.figures import save
+from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.experiments.observers import KINDS
 from mirror_explainer.experiments.study_design import PEOPLE
 from mirror_explainer.experiments.study_figure import HEADLINE, study_figure
@@ -205,9 +206,3 @@ def _scenario_rows(planned: Sequence[PlannedScenario]) -> Iterator[dict[str, obj
             'goal': scenario.goals[scenario.goal].name,
             'plan length': len(actions),
         }
-
-
-def markdown_table(table: pd.DataFrame) -> str:
-    """Return a table in Markdown: p with four digits, what is missing as a dash."""
-    formats = tuple('.4f' if column == 'p' else '.2f' for column in table.columns)
-    return str(table.to_markdown(index=False, floatfmt=formats)).replace(' nan ', '   – ')

@@ -12,13 +12,12 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from scipy import stats  # type: ignore[import-untyped]
 
+from mirror_explainer.experiments.averages import PERCENTS, mean_interval, said_at
 from mirror_explainer.experiments.study_design import DONT_KNOW, Answer
-from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.strategies import STRATEGIES
 
-PERCENTS = tuple(range(10, 101, 10))
 # Two readings of the paper's hit ratio: is "I don't know" a prediction that missed, or none?
 MEASURES = {'hit_ratio': 'of predictions', 'hit_ratio_of_answers': 'of all answers'}
-CONFIDENCE = 0.95
 RESAMPLES = 9999
 
 
@@ -34,13 +33,12 @@ def answer_table(answers: Iterable[Answer]) -> pd.DataFrame:
 def ratios(answers: pd.DataFrame) -> pd.DataFrame:
     """Return both measures of each participant at each % of the plan, for each strategy.
 
-    At x % of a plan of length L the answer counts that was given at step
-    max(1, round(x·L)), halves rounded to the even number. The hit ratio of
-    predictions is missing where none was made.
+    At x % of the plan the answer counts that was given at step `said_at`. The hit
+    ratio of predictions is missing where none was made.
     """
     parts = []
     for percent in PERCENTS:
-        step = np.maximum(1, np.round(percent * answers['steps'] / 100))
+        step = said_at(percent, answers['steps'])
         parts.append(answers[answers['step'] == step].assign(percent=percent))
     keys = ['observer', 'strategy', 'percent', 'participant']
     counts = (
@@ -67,12 +65,11 @@ def curves(answers: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
         row = dict(zip(('observer', 'strategy', 'percent'), keys, strict=True))
         for measure in MEASURES:
             values = group[measure].dropna().to_numpy(float)
-            low, high = _band(values, seed)
-            row |= {
-                measure: values.mean() if len(values) else np.nan,
-                f'{measure}_low': low,
-                f'{measure}_high': high,
-            }
+            mean = values.mean() if len(values) else np.nan
+            low = high = np.nan
+            if len(values) > 1:
+                mean, low, high = mean_interval(values, RESAMPLES, seed)
+            row |= {measure: mean, f'{measure}_low': low, f'{measure}_high': high}
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -151,17 +148,3 @@ def paired_p(smaller: ArrayLike, larger: ArrayLike, seed: int = 0) -> float:
         random_state=np.random.default_rng(seed),
     )
     return float(result.pvalue)
-
-
-def _band(values: np.ndarray[tuple[int], np.dtype[np.float64]], seed: int) -> tuple[float, float]:
-    if len(values) < 2:
-        return float('nan'), float('nan')
-    interval = stats.bootstrap(
-        (values,),
-        np.mean,
-        confidence_level=CONFIDENCE,
-        method='percentile',
-        n_resamples=RESAMPLES,
-        random_state=np.random.default_rng(seed),
-    ).confidence_interval
-    return float(interval.low), float(interval.high)

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mirror_explainer.errors import InputError, PlanningError, told
@@ -17,6 +17,7 @@ from mirror_explainer.experiments.study_plans import (
 )
 from mirror_explainer.experiments.warehouse_files import read_floor
 from mirror_explainer.extras import MissingExtras, require_extras
+from mirror_explainer.options import number, whole
 from mirror_explainer.web.address import add_address_arguments, address
 
 
@@ -149,14 +150,14 @@ def _parser() -> argparse.ArgumentParser:
 def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
     study = simulation.add_argument_group('study')
     study.add_argument(
-        '--participants', type=_from(2), default=10, metavar='N',
+        '--participants', type=whole(2), default=10, metavar='N',
         help='of each kind of observer (default 10)',
     )  # fmt: skip
     study.add_argument(
-        '--scenarios', type=_from(LEAST_SCENARIOS), default=12, metavar='N', help='default 12'
+        '--scenarios', type=whole(LEAST_SCENARIOS), default=12, metavar='N', help='default 12'
     )
     study.add_argument(
-        '--seed', type=_from(0), default=0, metavar='N', help='of all that is drawn (default 0)'
+        '--seed', type=whole(0), default=0, metavar='N', help='of all that is drawn (default 0)'
     )
     study.add_argument(
         '--informative', choices=GROWTHS, default=GROWTHS[0],
@@ -169,15 +170,15 @@ def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
         help='; '.join(f'{kind}: {what}' for kind, what in KINDS.items()) + ' (default: all)',
     )  # fmt: skip
     people.add_argument(
-        '--temperature', type=_not_negative, default=Noise.temperature, metavar='T',
+        '--temperature', type=number(0), default=Noise.temperature, metavar='T',
         help='of the softmax between belief and answer (default %(default)s)',
     )  # fmt: skip
     people.add_argument(
-        '--lapse', type=_share, default=Noise.lapse, metavar='P',
+        '--lapse', type=number(0, 1), default=Noise.lapse, metavar='P',
         help='probability of a slip at each step (default %(default)s)',
     )  # fmt: skip
     people.add_argument(
-        '--confidence', type=_share, default=Noise.confidence, metavar='P',
+        '--confidence', type=number(0, 1), default=Noise.confidence, metavar='P',
         help='with less, the answer is "I don\'t know" (default %(default)s)',
     )  # fmt: skip
     _output_argument(simulation, 'user_study_results')
@@ -186,9 +187,9 @@ def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
 def _serve_arguments(serving: argparse.ArgumentParser) -> None:
     _database_argument(serving)
     study = serving.add_argument_group('study', 'fixed when the database is made')
-    study.add_argument('--scenarios', type=_from(LEAST_SCENARIOS), metavar='N', help='default 12')
+    study.add_argument('--scenarios', type=whole(LEAST_SCENARIOS), metavar='N', help='default 12')
     study.add_argument(
-        '--seed', type=_from(0), metavar='N', help='of all that is drawn (default 0)'
+        '--seed', type=whole(0), metavar='N', help='of all that is drawn (default 0)'
     )
     add_address_arguments(serving, port=8000)
 
@@ -204,34 +205,6 @@ def _output_argument(parser: argparse.ArgumentParser, folder: str) -> None:
     parser.add_argument(
         '--output', type=Path, default=Path(folder), metavar='DIR', help=f'default: {folder}'
     )
-
-
-def _from(least: int) -> Callable[[str], int]:
-    def number(text: str) -> int:
-        if not text.isdecimal() or int(text) < least:
-            raise argparse.ArgumentTypeError(f'"{text}" is no whole number from {least} up')
-        return int(text)
-
-    return number
-
-
-def _not_negative(text: str) -> float:
-    return _within(float('inf'), text)
-
-
-def _share(text: str) -> float:
-    return _within(1.0, text)
-
-
-def _within(most: float, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float('nan')
-    if not 0 <= value <= most or value == float('inf'):
-        limit = 'up' if most == float('inf') else f'to {most:g}'
-        raise argparse.ArgumentTypeError(f'"{text}" is no number from 0 {limit}')
-    return value
 
 
 if __name__ == '__main__':

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.experiments.scenarios import Floor, floor
-from mirror_explainer.pddl import read_task
-from mirror_explainer.user_model import read_user_model
+from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.user_model import UserModel, read_user_model
 
 _FOLDERS = (Path('config/warehouse'), Path('share/mirror_explainer/config/warehouse'))
 
@@ -19,8 +19,8 @@ def warehouse_folder() -> Path:
     raise InputError('config/warehouse', 'the folder is not installed beside the package')
 
 
-def read_floor() -> Floor:
-    """Read the floor that the scenarios of the user study take place on."""
+def read_warehouse() -> tuple[Task, UserModel]:
+    """Read the demo: the robot's task, and what the listener may believe."""
     folder = warehouse_folder()
     domain, problem = folder / 'domain.pddl', folder / 'problem.pddl'
     task = read_task(
@@ -29,4 +29,9 @@ def read_floor() -> Floor:
         str(domain),
         str(problem),
     )
-    return floor(task, read_user_model(folder / 'user_model.yaml', task))
+    return task, read_user_model(folder / 'user_model.yaml', task)
+
+
+def read_floor() -> Floor:
+    """Read the floor that the scenarios of the user study take place on."""
+    return floor(*read_warehouse())

@@ -2,8 +2,8 @@
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.strategies import STRATEGIES
 
 
 def _text(description: str, read_only: bool = False) -> ParameterDescriptor:

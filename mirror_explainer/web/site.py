@@ -56,7 +56,7 @@ def configure(site: Site, address: Address | None = None) -> None:
         # Signs nothing that has to outlive the process.
         SECRET_KEY=secrets.token_urlsafe(32),
         ROOT_URLCONF='mirror_explainer.web.urls',
-        INSTALLED_APPS=['mirror_explainer.web', 'django_htmx', site.app],
+        INSTALLED_APPS=['mirror_explainer.web', site.app],
         MIDDLEWARE=[
             'mirror_explainer.web.middleware.security_headers',
             'django.middleware.security.SecurityMiddleware',
@@ -64,7 +64,6 @@ def configure(site: Site, address: Address | None = None) -> None:
             'mirror_explainer.web.middleware.access',
             'django.middleware.csrf.CsrfViewMiddleware',
             'django.middleware.clickjacking.XFrameOptionsMiddleware',
-            'django_htmx.middleware.HtmxMiddleware',
         ],
         TEMPLATES=[
             {

@@ -17,7 +17,7 @@ from mirror_explainer.experiments.study_design import (
     verbalizations,
 )
 from mirror_explainer.experiments.study_plans import PlannedScenario
-from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.strategies import STRATEGIES
 
 PRACTICE = 'practice'
 PRACTICE_STRATEGY = 'increasing'

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from mirror_explainer.experiments.ground_actions import ground_words
 from mirror_explainer.pddl import Task
 
 WIDTH, HEIGHT = 720, 530
@@ -135,7 +136,7 @@ def drawing(task: Task) -> Drawing:
     """Return the picture of the task's initial state, without its goal."""
     facts: dict[str, list[list[str]]] = {}
     for fact in sorted(task.initial_facts):
-        predicate, *arguments = fact.strip('()').split()
+        predicate, *arguments = ground_words(fact)
         facts.setdefault(predicate, []).append(arguments)
     lying = {item: room for item, room in facts.get('item-at', [])}
     names = [item.name for item in task.model.objects(task.model.user_type('place'))]

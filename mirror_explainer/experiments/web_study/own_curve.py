@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mirror_explainer.experiments.study_design import Answer
-from mirror_explainer.explainer import STRATEGIES
+from mirror_explainer.strategies import STRATEGIES
 
 WIDTH, HEIGHT = 640, 290
 _LEFT, _TOP, _RIGHT, _BOTTOM = 60, 16, 600, 250
@@ -84,7 +84,8 @@ def rows(
 ) -> tuple[Row, ...]:
     """Return the participant's hit ratios, by the same function as the study's."""
     # Not before the extras are known to be there.
-    from mirror_explainer.experiments.study_statistics import PERCENTS, answer_table, ratios
+    from mirror_explainer.experiments.averages import PERCENTS
+    from mirror_explainer.experiments.study_statistics import answer_table, ratios
 
     found = {
         (row['strategy'], row['percent']): row

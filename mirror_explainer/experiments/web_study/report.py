@@ -6,12 +6,13 @@ from pathlib import Path
 import pandas as pd
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.experiments.observers import KINDS
 from mirror_explainer.experiments.participants import Noise, simulate
 from mirror_explainer.experiments.scenarios import scenarios
 from mirror_explainer.experiments.study_design import Answer, assignment
 from mirror_explainer.experiments.study_plans import plan_scenarios
-from mirror_explainer.experiments.study_report import markdown_table, results, write_report
+from mirror_explainer.experiments.study_report import results, write_report
 from mirror_explainer.experiments.study_statistics import answer_table
 from mirror_explainer.experiments.warehouse_files import read_floor
 from mirror_explainer.experiments.web_study.database import open_database

@@ -24,8 +24,8 @@ from mirror_explainer.experiments.web_study.progress import (
     new_code,
     show,
 )
-from mirror_explainer.explainer import STRATEGIES
 from mirror_explainer.pddl import read_task
+from mirror_explainer.strategies import STRATEGIES
 
 _COOKIE = 'study_participant'
 _COOKIE_AGE = 180 * 24 * 3600  # s

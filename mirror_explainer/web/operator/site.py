@@ -26,11 +26,11 @@ class Explainer(Protocol):
         """Let the explainer forget what it said."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class OperatorSite(Site):
     """The site with its explainer, which views find in Django's settings."""
 
-    explainer: Explainer | None = None
+    explainer: Explainer
 
 
 def operator_site(explainer: Explainer, namespace: str) -> OperatorSite:
