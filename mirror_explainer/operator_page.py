@@ -199,7 +199,11 @@ def _clock(seconds: float | None = None) -> str:
 def main(args: Sequence[str] | None = None) -> int:
     """Serve the page until it is interrupted; return the exit status."""
     argv = sys.argv if args is None else ['operator_page', *args]
-    parser = argparse.ArgumentParser('operator_page', description=__doc__)
+    parser = argparse.ArgumentParser(
+        'operator_page',
+        description='Serve a web page on which people ask the explainer what the robot is up to.',
+        epilog='Remappings and the like follow --ros-args.',
+    )
     add_address_arguments(parser, PORT)
     options = parser.parse_args(remove_ros_args(argv)[1:])
     try:

@@ -147,7 +147,7 @@ def _parser() -> argparse.ArgumentParser:
     choice = parser.add_argument_group('what to say')
     choice.add_argument(
         '-n',
-        type=whole(0),
+        type=whole(1),
         help='how many sentences (default 3; with --threshold as many as needed)',
     )
     choice.add_argument(
