@@ -285,8 +285,8 @@ def test_a_file_that_is_no_text_or_a_folder_is_told(in_process, tmp_path: Path) 
 @pytest.mark.parametrize(
     ('option', 'value', 'said'),
     [
-        ('-n', 'x', 'argument -n: "x" is no whole number from 0 up'),
-        ('-n', '-1', 'argument -n: "-1" is no whole number from 0 up'),
+        ('-n', 'x', 'argument -n: "x" is no whole number from 1 up'),
+        ('-n', '0', 'argument -n: "0" is no whole number from 1 up'),
         ('--max-beliefs', '0', 'argument --max-beliefs: "0" is no whole number from 1 up'),
         ('--threshold', 'nan', 'argument --threshold: "nan" is no number from 0 up'),
         ('--threshold', 'much', 'argument --threshold: "much" is no number from 0 up'),
