@@ -186,6 +186,22 @@ def test_progress_is_told_for_each_belief(planner: Planner) -> None:
     assert [done for done, _ in told] == sorted(done for done, _ in told)
 
 
+def test_progress_counts_only_the_beliefs_asked_about(planner: Planner) -> None:
+    told: list[tuple[int, int]] = []
+
+    def progress(done: int, total: int) -> None:
+        told.append((done, total))
+
+    planner.plan(TOOLS, [Belief(0), Belief(0, SHARP), Belief(1)])
+    planner.plan(TOOLS, [Belief(1, SHARP)], progress=progress)
+    planner.plan(replace(TOOLS, goals=('(cut)',)), [Belief(0)])
+    planner.plan(TOOLS, [Belief(0)])
+    planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)], progress=progress)
+
+    # One new; then, of two, one that is known already
+    assert told == [(1, 1), (2, 2)]
+
+
 def test_a_belief_without_a_plan_in_time_stays_unknown_and_the_others_do_not() -> None:
     with Planner('pyperplan-opt', planning_timeout=2.0) as planner:
         report = planner.plan(HARD, [Belief(0), Belief(1)])
