@@ -33,7 +33,8 @@ HARD = BeliefSpace(*gripper(30)[:2], goals=(gripper(30)[2], '(robot-at there)'))
 
 @pytest.fixture(params=[True, False], ids=['grounded once', 'one by one'])
 def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
-    with Planner('fast-downward-opt', shortcuts=request.param) as planner:
+    # Long enough for a machine that is busy with other tests.
+    with Planner('fast-downward-opt', shortcuts=request.param, planning_timeout=60.0) as planner:
         yield planner
 
 
