@@ -1,6 +1,8 @@
 """Planning for beliefs, through real engines in real processes."""
 
+import importlib.util
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -409,6 +411,51 @@ def test_a_named_downward_program_is_used(tmp_path: Path) -> None:
 
     assert report.results[0].plans[0].cost == 8
     assert asked.exists()
+
+
+def test_a_translator_that_has_changed_inside_is_told_and_done_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    translate = importlib.util.find_spec('fast_downward.translate')
+    assert translate is not None and translate.origin is not None
+    changed = tmp_path / 'fast_downward' / 'translate'
+    shutil.copytree(Path(translate.origin).parent, changed)
+    with (changed / 'options.py').open('a') as options:
+        options.write(OTHER_OPTIONS)
+    monkeypatch.syspath_prepend(tmp_path)
+    with Planner('fast-downward-opt', planning_timeout=60.0) as planner:
+        report = planner.plan(TOOLS, [Belief(0)])
+
+    assert report.results[0].plans[0].cost == 8
+    [record] = caplog.records
+    assert record.levelname == 'WARNING'
+    assert 'TypeError: no more options' in record.message
+
+
+# What fails for the program that sets the options itself, as ours does.
+OTHER_OPTIONS = """
+_set_options = set_options
+def set_options(arguments=None):
+    if arguments:
+        raise TypeError('no more options')
+    _set_options()
+"""
+
+
+def test_what_the_translator_refuses_in_its_own_way_is_no_warning(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    space = BeliefSpace(TOOLS_DOMAIN, '(define (problem', ('(polished)',))
+    with (
+        caplog.at_level('DEBUG', 'mirror_explainer'),
+        Planner('fast-downward-opt') as planner,
+        pytest.raises(InputError),
+    ):
+        planner.plan(space, [Belief(0)])
+
+    [record] = caplog.records
+    assert record.levelname == 'DEBUG'
+    assert 'ParseError' in record.message
 
 
 def test_a_missing_downward_program_is_told() -> None:

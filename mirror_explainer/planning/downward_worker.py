@@ -15,7 +15,7 @@ from mirror_explainer.planning.child import Parent
 from mirror_explainer.planning.confinement import limit_memory
 from mirror_explainer.planning.grounding import Grounding
 from mirror_explainer.planning.messages import Ask, Attempt, Done, Refusal, Stop, Unfitting
-from mirror_explainer.planning.pddl_lists import Lists
+from mirror_explainer.planning.pddl_lists import Lists, UnfitError
 from mirror_explainer.planning.searches import Searches
 from mirror_explainer.planning.subject import Subjects
 from mirror_explainer.planning.superset_walk import SupersetWalk
@@ -64,8 +64,10 @@ class DownwardWorker:
                 f'planning does not get what it needs of the system: {error}',
                 'Free memory, or allow more processes and open files.',
             )
-        except (Exception, SystemExit) as error:  # whatever the translator may raise
-            return Unfitting(f'{type(error).__name__}: {error}')
+        except UnfitError as error:
+            return Unfitting(str(error))
+        except Exception as error:  # a fault here, or a translator that has changed inside
+            return Unfitting(f'{type(error).__name__}: {error}', unexpected=True)
         return Done(searches.calls, searches.searching, way)
 
     def _stopped(self) -> bool:

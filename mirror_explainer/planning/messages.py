@@ -94,6 +94,11 @@ class Done:
 
 @dataclass(frozen=True)
 class Unfitting:
-    """From the worker of the fast way: it cannot take these texts, for this reason."""
+    """From the worker of the fast way: it cannot take these texts, for this reason.
+
+    `unexpected` says that this is not how the translator refuses a text: there is a
+    fault in this program, or the translator is not the one it was written for.
+    """
 
     reason: str
+    unexpected: bool = False

@@ -128,7 +128,8 @@ class Planner:
             answer = self._fast.plan(space, beliefs, plans_per_belief, limits, results.record)
             if isinstance(answer, Done):
                 return answer
-            _log.debug('not the fast way: %s', answer.reason)
+            level = logging.WARNING if answer.unexpected else logging.DEBUG
+            _log.log(level, 'not the fast way: %s', answer.reason)
         missing = [belief for belief in beliefs if not results.has(belief)]
         return self._pool.plan(space, missing, limits, results.record)
 

@@ -7,8 +7,9 @@ away; so the translator sees actions that switch each uncertain fact, and an
 action for each goal, and they are taken out again afterwards.
 """
 
+import contextlib
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +25,7 @@ from fast_downward.translate import (
     variable_order,
 )
 from fast_downward.translate.pddl_parser import lisp_parser, parsing_functions
+from fast_downward.translate.pddl_parser.parse_error import ParseError
 
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
 from mirror_explainer.planning.ground_task import Fact, GroundTask, Operator
@@ -32,6 +34,7 @@ from mirror_explainer.planning.pddl_lists import (
     FACT_ACTION,
     GOAL_ACTION,
     Lists,
+    UnfitError,
     edited_domain,
     edited_problem,
     read_lists,
@@ -51,8 +54,18 @@ class Translation:
     conditional: bool
 
 
+@contextlib.contextmanager
+def _refusals() -> Iterator[None]:
+    """Raise UnfitError for what the translator raises about texts that it does not take."""
+    try:
+        yield
+    except (ParseError, SystemExit, AssertionError) as error:
+        raise UnfitError(f'{type(error).__name__}: {error}') from error
+
+
+@_refusals()
 def parse(space: BeliefSpace) -> Lists:
-    """Return the space's texts as nested lists. Raises UnfitError, or the translator's errors."""
+    """Return the space's texts as nested lists. Raises UnfitError."""
     return read_lists(
         _nested(space.domain),
         _nested(space.problem),
@@ -66,8 +79,12 @@ def _nested(text: str) -> list[Any]:
     return words
 
 
+@_refusals()
 def ground(lists: Lists) -> Grounding | str:
-    """Return the grounding, or in a few words why each belief must be translated by itself."""
+    """Return the grounding, or in a few words why each belief must be translated by itself.
+
+    Raises UnfitError.
+    """
     full = [*lists.certain_facts, *lists.facts]
     task = _parsed(
         edited_domain(lists, range(len(lists.goals)), free_facts=True), edited_problem(lists, full)
@@ -88,8 +105,12 @@ def ground(lists: Lists) -> Grounding | str:
     return _grounding(lists, sas, groups, actions)
 
 
+@_refusals()
 def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation:
-    """Translate one belief by itself; `facts` are the texts of the space's uncertain facts."""
+    """Translate one belief by itself; `facts` are the texts of the space's uncertain facts.
+
+    Raises UnfitError.
+    """
     named = zip(lists.facts, facts, strict=True)
     true = [fact for fact, text in named if text in belief.true_facts]
     task = _parsed(
