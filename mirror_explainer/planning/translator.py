@@ -118,11 +118,9 @@ def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation
         edited_problem(lists, [*lists.certain_facts, *true]),
     )
     sas = main.pddl_to_sas(task)
-    stream = io.StringIO()
-    sas.output(stream)
     return Translation(
         sas,
-        stream.getvalue().encode(),
+        _output(sas).encode(),
         {_name(operator): operator.cost for operator in sas.operators},
         bool(sas.axioms),
         _conditional(sas.operators),
@@ -261,20 +259,26 @@ def _goals(
 
 
 def _ground_task(sas: sas_tasks.SASTask) -> GroundTask:
-    stream = io.StringIO()
-    sas.output(stream)
-    head, rest = stream.getvalue().split('\nbegin_state\n', 1)
-    tail = rest.split('\nend_goal\n', 1)[1]
+    head, _ = _output(sas).split('begin_state\n', 1)
     operators = tuple(
         Operator(
             _name(operator),
             tuple(operator.get_applicability_conditions()),
             tuple(_unique((variable, post) for variable, _, post, _ in operator.pre_post)),
             operator.cost,
+            _output(operator),
         )
         for operator in sas.operators
     )
-    return GroundTask(operators, f'{head}\n', tail)
+    axioms = ''.join([f'{len(sas.axioms)}\n', *map(_output, sas.axioms)])
+    return GroundTask(operators, head, axioms)
+
+
+def _output(part: sas_tasks.SASTask | sas_tasks.SASOperator | sas_tasks.SASAxiom) -> str:
+    """Return a task, or a part of one, as the search reads it."""
+    stream = io.StringIO()
+    part.output(stream)
+    return stream.getvalue()
 
 
 def _unique(facts: Iterable[Fact]) -> Iterable[Fact]:
