@@ -17,6 +17,7 @@ from unified_planning.io import PDDLReader
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.derived import Axioms, read_axioms, without_axioms
+from mirror_explainer.pddl.durative import is_durative, require_fixed_durations
 from mirror_explainer.pddl.either_types import with_common_supertypes
 from mirror_explainer.pddl.expressions import NESTED, Expressions, as_text, nested_words
 from mirror_explainer.pddl.sections import (
@@ -27,7 +28,7 @@ from mirror_explainer.pddl.sections import (
     without_costs,
     without_total_time,
 )
-from mirror_explainer.pddl.sequential import is_durative, require_fixed_durations, sequential_texts
+from mirror_explainer.pddl.sequential import sequential_texts
 from mirror_explainer.pddl.size import require_few, require_shallow, require_steady_numbers
 from mirror_explainer.pddl.state import add_facts, without_plain_facts
 from mirror_explainer.text_files import plain_text
