@@ -80,7 +80,7 @@ class Costs:
         return any(
             Fraction(value.constant_value()) * 1000 % 1
             for atom, value in self._model.explicit_initial_values.items()
-            if atom.fluent() == function
+            if atom.fluent() == function and value.is_constant()
         )
 
     def idle(self, compiled: up.Problem) -> set[str]:
@@ -129,9 +129,11 @@ class Costs:
             if all(atom in known for atom in atoms):
                 try:
                     value = ground.substitute({atom: known[atom] for atom in atoms}).simplify()
-                    number = Fraction(value.constant_value())
                 except ZeroDivisionError:
                     raise self._refusal(action, 'takes a time that divides by zero') from None
+                if not value.is_constant():
+                    raise self._refusal(action, f'takes a time, {value}, that is no number')
+                number = Fraction(value.constant_value())
                 self._number(action, number)  # it must be one that can be written
                 values[tuple(item.name for item in objects)] = number
         name = f'duration-of-{action.name}'
