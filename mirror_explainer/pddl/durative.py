@@ -14,8 +14,9 @@ import unified_planning.model as up
 from unified_planning.model.metrics import MinimizeActionCosts, MinimizeSequentialPlanLength
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.pddl.atoms import conjuncts, fluents_in
 from mirror_explainer.pddl.derived import Axioms
-from mirror_explainer.pddl.sections import line_at, section, sections, without_comments
+from mirror_explainer.pddl.sections import line_at, line_of, section, sections, without_comments
 
 _DURATIVE = ':durative-action'
 _ANOTHER_WAY = 'so it cannot be taken as an action that happens at once'
@@ -80,12 +81,11 @@ def require_metric_of_costs(model: up.Problem, problem: str, source: str) -> Non
 def require_no_timed_facts(model: up.Problem, problem: str, source: str) -> None:
     """Raise InputError for facts that become true or false by themselves."""
     if model.timed_effects:
-        found = re.search(r'\(\s*at\s+[\d.]+\s*\(', without_comments(problem), re.IGNORECASE)
         raise InputError(
             source,
             'it has timed initial literals, (at TIME …): what happens by itself while the robot '
             'acts cannot be explained',
-            line_at(problem, found.start()) if found else None,
+            line_of(r'\(\s*at\s+[\d.]+\s*\(', problem),
         )
 
 
@@ -106,12 +106,12 @@ class _Phases:
     @cached_property
     def at_end(self) -> set[up.Fluent]:
         """What the effects at the end are about, or depend on."""
-        return set().union(*(_used(e.fluent, e.value, e.condition) for e in self.end))
+        return fluents_in(*(part for e in self.end for part in (e.fluent, e.value, e.condition)))
 
     @cached_property
     def needed_later(self) -> set[up.Fluent]:
         """What the conditions later than the start are about."""
-        return _used(*self.later)
+        return fluents_in(*self.later)
 
     @property
     def derived_later(self) -> frozenset[up.Fluent]:
@@ -119,12 +119,6 @@ class _Phases:
         if not self.axioms:
             return frozenset()
         return self.axioms.basis(self.axioms.fluents & (self.at_end | self.needed_later))
-
-
-def _used(*expressions: up.FNode) -> set[up.Fluent]:
-    return {
-        atom.fluent() for e in expressions for atom in e.environment.free_vars_extractor.get(e)
-    }
 
 
 # What of an action the compiler gets wrong, each with the words for it.
@@ -155,7 +149,7 @@ _MISTAKEN: tuple[tuple[str, Callable[[_Phases], object]], ...] = (
     (
         'a condition later than its start, and no plain fact, on what its start changes',
         lambda action: any(
-            as_literal(condition) is None and action.changed & _used(condition)
+            as_literal(condition) is None and action.changed & fluents_in(condition)
             for condition in action.later
         ),
     ),
@@ -191,7 +185,7 @@ def require_no_concurrency(
         if effect.value.is_true() and effect.fluent.fluent() not in lasting
     }
     for action in compiled.actions:
-        for condition in itertools.chain.from_iterable(map(_parts, action.preconditions)):
+        for condition in itertools.chain.from_iterable(map(conjuncts, action.preconditions)):
             fact = condition.fluent() if condition.is_fluent_exp() else None
             if fact and passing.get(fact, action.name) != action.name:
                 raise InputError(
@@ -201,15 +195,6 @@ def require_no_concurrency(
                     'explained',
                     lines.get(action.name),
                 )
-
-
-def _parts(condition: up.FNode) -> Iterator[up.FNode]:
-    """Yield the conditions that one condition asks for together."""
-    if condition.is_and():
-        for part in condition.args:
-            yield from _parts(part)
-    elif not condition.is_true():
-        yield condition
 
 
 def as_literal(condition: up.FNode) -> tuple[up.FNode, bool] | None:
@@ -233,5 +218,5 @@ def later_conditions(action: up.DurativeAction) -> list[up.FNode]:
         for interval, conditions in action.conditions.items()
         if interval.upper == up.EndTiming()
         for condition in conditions
-        for part in _parts(condition)
+        for part in conjuncts(condition)
     ]

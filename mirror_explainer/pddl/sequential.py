@@ -6,6 +6,7 @@ no name changes.
 """
 
 import re
+from dataclasses import replace
 
 import unified_planning.model as up
 from unified_planning.engines import CompilationKind
@@ -33,41 +34,34 @@ from mirror_explainer.pddl.sections import (
     without_comments,
     without_values,
 )
+from mirror_explainer.pddl.texts import Texts
 
 
-def sequential_texts(
-    model: up.Problem,
-    axioms: Axioms | None,
-    domain: str,
-    problem: str,
-    domain_source: str,
-    problem_source: str,
-) -> tuple[str, str]:
+def sequential_texts(model: up.Problem, axioms: Axioms | None, texts: Texts) -> Texts:
     """Return the texts of the same task without durative actions.
 
     `model` and `axioms` are the task as read. An action costs its duration, one without takes
     no time; a metric of the total cost is kept instead. Raises InputError that
     names the place of what cannot be compiled.
     """
+    domain, problem, source = texts.domain, texts.problem, texts.domain_source
     places = {name: (start, end) for name, start, end in durative_actions(domain)}
     lines = {name: line_at(domain, start) for name, (start, _) in places.items()}
-    require_metric_of_costs(model, problem, problem_source)
-    require_no_timed_facts(model, problem, problem_source)
+    require_metric_of_costs(model, problem, texts.problem_source)
+    require_no_timed_facts(model, problem, texts.problem_source)
     durative = [action for action in model.actions if isinstance(action, up.DurativeAction)]
     for action in durative:
-        require_compilable(action, axioms, domain_source, lines.get(action.name))
+        require_compilable(action, axioms, source, lines.get(action.name))
     compiler = TimedToSequential()
     compiler.skip_checks = True  # it takes more than it says, such as conditional effects
     try:
         compiled = compiler.compile(model, CompilationKind.TIMED_TO_SEQUENTIAL).problem
     except UPException as error:
-        raise InputError(domain_source, f'its durative actions cannot be compiled: {error}') from (
-            error
-        )
+        raise InputError(source, f'its durative actions cannot be compiled: {error}') from (error)
     for action in durative:
         _mend(compiled.action(action.name), action)
-    require_no_concurrency(model, compiled, domain_source, lines)
-    costs = Costs(model, domain_source, lines, _converter(model))
+    require_no_concurrency(model, compiled, source, lines)
+    costs = Costs(model, source, lines, _converter(model))
     new_texts = {
         action.name: _action_text(compiled.action(action.name), costs.of(action))
         for action in durative
@@ -76,7 +70,9 @@ def sequential_texts(
         domain = domain[:start] + new_texts[name] + domain[end:]
     for name in costs.idle(compiled):
         problem = without_values(problem, name)
-    return _with_functions(domain, costs), _with_costs(problem, costs)
+    return replace(
+        texts, domain=_with_functions(domain, costs), problem=_with_costs(problem, costs)
+    )
 
 
 def _mend(compiled: up.InstantaneousAction, action: up.DurativeAction) -> None:
