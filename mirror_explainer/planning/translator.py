@@ -39,6 +39,7 @@ from mirror_explainer.planning.pddl_lists import (
     edited_problem,
     read_lists,
 )
+from mirror_explainer.planning.replay import canonical_name
 
 _INVARIANT_SECONDS = 30
 
@@ -98,7 +99,7 @@ def ground(lists: Lists) -> Grounding | str:
         return 'conditional effects'
     task.actions = [a for a in task.actions if not a.name.startswith(FACT_ACTION)]
     sas, groups = _encode(task, atoms, actions, parameters)
-    if _conditional([o for o in sas.operators if not _is_switch(_name(o))]):
+    if _conditional([o for o in sas.operators if not _is_switch(canonical_name(o))]):
         # Only variables of two values express every deletion without a condition.
         options.options.invariant_generation_max_candidates = 0
         sas, groups = _encode(task, atoms, actions, parameters)
@@ -121,7 +122,7 @@ def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation
     return Translation(
         sas,
         _output(sas).encode(),
-        {_name(operator): operator.cost for operator in sas.operators},
+        {canonical_name(operator): operator.cost for operator in sas.operators},
         bool(sas.axioms),
         _conditional(sas.operators),
     )
@@ -181,13 +182,13 @@ def _grounding(
     negative = frozenset(
         str(literal.negate()) for a in actions for literal in a.precondition if literal.negated
     )
-    sas.operators = [o for o in sas.operators if not _is_switch(_name(o))]
+    sas.operators = [o for o in sas.operators if not _is_switch(canonical_name(o))]
     variables = tuple(tuple(names) for names in sas.variables.value_names)
     variable_order.find_and_apply_variable_order(sas)
     numbers = {names: number for number, names in enumerate(variables)}
     kept = tuple(numbers[tuple(names)] for names in sas.variables.value_names)
     goals, hard_goals = _goals(sas, len(lists.goals))
-    sas.operators = [o for o in sas.operators if not _is_goal(_name(o))]
+    sas.operators = [o for o in sas.operators if not _is_goal(canonical_name(o))]
     return Grounding(
         task=_ground_task(sas),
         goals=goals,
@@ -238,11 +239,6 @@ def _conditional(operators: Iterable[sas_tasks.SASOperator]) -> bool:
     return any(condition for o in operators for _, _, _, condition in o.pre_post)
 
 
-def _name(operator: sas_tasks.SASOperator) -> str:
-    """Return the canonical name of an operator: no space before the closing parenthesis."""
-    return f'({operator.name[1:-1].strip()})'
-
-
 def _goals(
     sas: sas_tasks.SASTask, count: int
 ) -> tuple[tuple[tuple[Fact, ...] | None, ...], frozenset[int]]:
@@ -250,8 +246,8 @@ def _goals(
     goals: list[tuple[Fact, ...] | None] = [None] * count
     hard_goals = set()
     for operator in sas.operators:
-        if _is_goal(_name(operator)):
-            index = int(_name(operator)[len(GOAL_ACTION) + 1 : -1])
+        if _is_goal(canonical_name(operator)):
+            index = int(canonical_name(operator)[len(GOAL_ACTION) + 1 : -1])
             if goals[index] is not None:
                 hard_goals.add(index)
             goals[index] = tuple(operator.get_applicability_conditions())
@@ -262,7 +258,7 @@ def _ground_task(sas: sas_tasks.SASTask) -> GroundTask:
     head, _ = _output(sas).split('begin_state\n', 1)
     operators = tuple(
         Operator(
-            _name(operator),
+            canonical_name(operator),
             tuple(operator.get_applicability_conditions()),
             tuple(_unique((variable, post) for variable, _, post, _ in operator.pre_post)),
             operator.cost,
