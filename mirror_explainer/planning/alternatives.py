@@ -145,7 +145,7 @@ class Alternatives:
         if subject.result is None:
             return None
         plans = subject.result.plans
-        cost = self._walk.cost(subject.node, subject.plan)
+        cost = self._walk.cost(subject.plan)
         return BeliefPlans(Status.SOLVED, tuple(Plan(actions, cost) for actions in plans), reason)
 
     def _inherited(self, subject: Alternative) -> OptimalPlans | None:

@@ -9,13 +9,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
 from mirror_explainer.planning.downward import OPTIMAL_AXIOMS, QUICK, Outcome, Search
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
-from mirror_explainer.planning.subject import Finding, Subjects
+from mirror_explainer.planning.subject import Finding, Subject, Subjects
 
 # Before the deadline, this share of the time, and so many seconds at most, are for stand-ins.
 _RESERVE = 0.25
@@ -39,7 +38,7 @@ class _Job:
     """
 
     subjects: Subjects
-    subject: Any
+    subject: Subject
     reason: str = ''
     text: bytes = b''
     left: tuple[str, ...] = ()
