@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning import translator
-from mirror_explainer.planning.alternatives import Alternatives
+from mirror_explainer.planning.alternatives import alternatives
 from mirror_explainer.planning.beliefs import Belief
 from mirror_explainer.planning.child import Parent
 from mirror_explainer.planning.confinement import limit_memory
@@ -48,9 +48,9 @@ class DownwardWorker:
             finished = searches.run(subjects, self._parent.fileno(), self._stopped)
             if finished and ask.plans_per_belief > 1:
                 walks = [walk for walk in subjects if isinstance(walk, SupersetWalk)]
-                others = [Alternatives(walk, ask.plans_per_belief) for walk in walks]
-                for beliefs, result in (pair for other in others for pair in other.settled()):
-                    report(beliefs, Attempt(result))
+                others, settled = alternatives(walks, ask.plans_per_belief)
+                for node, result in settled.items():
+                    report(node.members, Attempt(result))
                 searches.run(others, self._parent.fileno(), self._stopped)
         except PlanningError as error:
             return Refusal(str(error), error.cure)
