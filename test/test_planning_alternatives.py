@@ -22,6 +22,8 @@ from mirror_explainer.errors import Cancelled
 from mirror_explainer.experiments.planning_cases import every_belief
 from mirror_explainer.mirror_model import plan_probabilities
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
+from mirror_explainer.planning.ground_task import Operator
+from mirror_explainer.planning.optimal_plans import optimal_plans
 
 MANY = 3000
 MOST_STATES = 800
@@ -443,6 +445,18 @@ def test_an_action_with_several_ways_to_apply_is_one_action(planner: Planner) ->
         leaves = belief.true_facts & {'(dry)', '(warm)'}
         feeds = belief.true_facts & {'(near cat)', '(near dog)'}
         assert len(result.plans) == bool(leaves and feeds)
+
+
+def test_an_action_that_is_done_very_often_is_counted_right() -> None:
+    # As numbers of ten bits, 1100 steps would be one jump and 1100 - 2¹⁰ = 76 steps.
+    steps = [Operator('(step)', ((0, n),), ((0, n + 1),), 1, '') for n in range(1100)]
+    jump = Operator('(jump)', ((0, 0),), ((0, 1024),), 1024, '')
+    walked, jumped = ('(step)',) * 1100, ('(jump)', *('(step)',) * 76)
+
+    found = optimal_plans([*steps, jump], (0,), [(0, 1100)], walked, 10)
+
+    assert found is not None and found.all
+    assert set(found.plans) == {walked, jumped}
 
 
 def plans(*costs: float) -> list[Plan]:
