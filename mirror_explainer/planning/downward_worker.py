@@ -1,6 +1,6 @@
 """Worker of the fast way: Fast Downward, grounded once for all beliefs of a space.
 
-Run as a module by `worker.py`. It is the only program here that imports the
+Run by its path by `worker.py`. It is the only program here that imports the
 translator; the searches are processes of its own group.
 """
 

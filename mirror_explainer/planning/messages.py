@@ -10,7 +10,8 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, 
 class Setup:
     """To an engine's worker: read this space. It answers None, or a Refusal.
 
-    A belief of the space, sent later, may take `planning_timeout` seconds.
+    A belief of the space, sent later, may take `planning_timeout` seconds, and the
+    worker, like each process it starts, `memory_limit` MiB.
     """
 
     engine: str
@@ -61,8 +62,9 @@ class Ask:
 
     It answers with an empty list once the beliefs are grounded, then with lists of
     (belief, attempt) pairs, and at last with Done; or with Unfitting. `workers`
-    searches run at a time, each for `planning_timeout` seconds at most, all for
-    `seconds`.
+    searches by the program `downward` run at a time, each for `planning_timeout`
+    seconds at most, all for `seconds`; the worker, like each search, may use
+    `memory_limit` MiB.
     """
 
     space: BeliefSpace

@@ -34,7 +34,7 @@ class _Job:
 
     `text` is the search's input, `left` the optimal configurations still to try.
     `proves` says whether a quick search that ends without a plan proves there is
-    none: not with axioms. `crashes` counts the searches that failed.
+    none: not with axioms. `crashed` says that a search failed that was no first try.
     """
 
     subjects: Subjects
@@ -43,7 +43,7 @@ class _Job:
     text: bytes = b''
     left: tuple[str, ...] = ()
     proves: bool = True
-    crashes: int = 0
+    crashed: bool = False
 
 
 class Searches:
@@ -191,7 +191,8 @@ class Searches:
         if outcome.status is Status.SOLVED:
             plan = job.subjects.checked(job.subject, outcome.actions)
             if plan is None:
-                outcome = Outcome(Status.UNKNOWN, (), 'downward gave a wrong plan', True)
+                reason = 'downward gave a wrong plan'
+                outcome = Outcome(Status.UNKNOWN, reason=reason, crashed=True)
         self._count(outcome)
         if outcome.status is Status.UNSOLVABLE and job.reason and not job.proves:
             outcome = Outcome(Status.UNKNOWN, reason='a quick search found no plan')
@@ -199,8 +200,8 @@ class Searches:
             self._settle(job, Finding(plan, optimal=not job.reason))
         elif outcome.crashed and self._has_next(job):
             self._next(job)
-        elif outcome.crashed and not job.crashes:
-            job.crashes += 1
+        elif outcome.crashed and not job.crashed:
+            job.crashed = True
             self._queue.appendleft(job)
         elif outcome.crashed or job.reason:
             self._give_up(job, unknown(outcome.reason, outcome.crashed))
