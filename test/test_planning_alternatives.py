@@ -15,7 +15,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pddl_cases import gripper, random_space
-from test_planning import child_sessions, searches_of, wait_until
+from processes import child_sessions, searches_of, wait_until
 
 from mirror_explainer import pddl
 from mirror_explainer.errors import Cancelled
