@@ -28,6 +28,8 @@ setup(
     ],
     python_requires='>=3.11',
     install_requires=[
+        # up-fast-downward brings it, but what we use of its inside may change with any version.
+        'fast-downward-translate>=26.6,<27',
         'numpy>=1.26',
         'pydantic>=2.5',
         'pyparsing>=3.1',

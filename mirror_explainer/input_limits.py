@@ -20,16 +20,13 @@ class InputLimits:
     max_goals: int = 1000
     max_uncertain_facts: int = 100
 
-    def require(
-        self, limit: str, found: int, what: str, source: str, line: int | None = None
-    ) -> None:
+    def require(self, limit: str, found: int, what: str, source: str) -> None:
         """Raise InputError if more of something was found than the limit of that name allows."""
         most = getattr(self, limit)
         if found > most:
             raise InputError(
                 source,
                 f'{what} ({found}) are more than {limit} allows (now {most})',
-                line,
                 cure=f'If the robot needs more, set the parameter {limit} higher.',
             )
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from string import Formatter
 
-from mirror_explainer.pddl import Task
+from mirror_explainer.pddl import Task, words_of
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Sentences:
 
     def of(self, action: str) -> str:
         """Return the sentence for a ground action such as "(grab red_circle red_room)"."""
-        name, *arguments = action.strip('()').split()
+        name, *arguments = words_of(action)
         called = [self.objects.get(argument, _readable(argument)) for argument in arguments]
         if name not in self.templates:
             return f'I will {" ".join([_readable(name), *called])}.'

@@ -37,6 +37,8 @@ TOOLS_PROBLEM = """
   (:goal (polished))
   (:metric minimize (total-cost)))
 """
+TOOLS = BeliefSpace(TOOLS_DOMAIN, TOOLS_PROBLEM, ('(polished)', '(lost)'), ('(saw-sharp)',))
+TOOLS_SHARP = frozenset(['(saw-sharp)'])
 
 _GRIPPER_DOMAIN = """
 (define (domain gripper)

@@ -411,6 +411,10 @@ def test_what_cannot_be_compiled_is_refused_by_name_and_line(
             'problem, line 23: with durative actions, the metric can be to minimize (total-time)',
         ),
         (('( speed leia ) 0.5', '( speed leia ) 0'), 'domain, line 13: "move" takes a time that'),
+        (
+            ('( speed leia ) 0.5', '( speed leia ) ( speed leia ) 0.5'),
+            'domain, line 13: "move" takes a time, ',
+        ),
         (('( connected kitchen at )', '(conected kitchen at)'), 'problem, line 11: (conected'),
     ],
 )

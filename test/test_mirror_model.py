@@ -411,6 +411,12 @@ def test_equal_costs_share_evenly_and_absurd_ones_stay_finite() -> None:
     assert (cheap, 0.0 < dear < 1e-200) == (1.0, True)
 
 
+def test_rationality_between_weighs_by_what_a_plan_costs_more() -> None:
+    better, worse = plan_probabilities([plan('wait', 3.0), plan('go x', 4.5)], 2.0)
+
+    assert worse / better == pytest.approx(math.exp(-2.0 * 1.5))
+
+
 def test_of_a_costly_robot_plan_the_cross_entropy_is_still_finite() -> None:
     model = replace(BY_HAND, robot_plan=plan('wait', 1e9), rationality=10.0).model()
 

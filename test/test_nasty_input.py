@@ -13,6 +13,7 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl import Task, read_task, require_definition
 from mirror_explainer.pddl.size import require_few
 from mirror_explainer.pddl.state import without_plain_facts
+from mirror_explainer.pddl.texts import Texts
 from mirror_explainer.plan_text import check_plan, read_plan
 from mirror_explainer.prior import belief_prior
 from mirror_explainer.sentences import Sentences, action_parameters
@@ -385,5 +386,6 @@ def test_every_goal_recognition_problem_is_within_the_limits() -> None:
         require_definition(problem, 'problem', 'problem', LIMITS)
         # a tenth of what is allowed would do
         tenth = replace(LIMITS, max_objects=200, max_words=1000)
-        require_few(domain, without_plain_facts(problem)[0], tenth, 'domain', str(template))
+        rest, _ = without_plain_facts(problem)
+        require_few(Texts(domain, rest, 'domain', str(template)), tenth)
         assert len(goals) <= LIMITS.max_goals / 10

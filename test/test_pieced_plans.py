@@ -44,6 +44,7 @@ def random_operators(random: Random) -> tuple[Operator, ...]:
             condition=random_facts(random, random.randint(0, 2)),
             effect=random_facts(random, random.randint(1, 2)),
             cost=random.randint(0, 3),
+            text='',
         )
         for number in range(random.randint(2, 6))
     )
@@ -95,9 +96,9 @@ def test_a_plan_of_known_pieces_is_as_cheap_as_any(seed: int) -> None:
 
 
 def test_operators_are_apart_unless_one_changes_what_another_reads_or_changes() -> None:
-    reads_only_what_stays = Operator('(a)', ((9, 0), (0, 0)), ((0, 1),), 1)
-    reads_it_too = Operator('(b)', ((9, 0),), ((1, 1),), 1)
-    reads_what_b_changes = Operator('(c)', ((1, 1),), ((2, 1),), 1)
+    reads_only_what_stays = Operator('(a)', ((9, 0), (0, 0)), ((0, 1),), 1, '')
+    reads_it_too = Operator('(b)', ((9, 0),), ((1, 1),), 1, '')
+    reads_what_b_changes = Operator('(c)', ((1, 1),), ((2, 1),), 1, '')
 
     parts = independent_parts([reads_only_what_stays, reads_it_too, reads_what_b_changes])
 

@@ -1,101 +1,25 @@
-"""Planning for beliefs, through real engines in real processes."""
+"""What planning finds for beliefs, through real engines in real processes."""
 
-import os
-import signal
-import subprocess
-import sys
-import tempfile
-import threading
-import time
-from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from pddl_cases import (
+    TOOLS,
     TOOLS_DOMAIN,
     TOOLS_PROBLEM,
+    TOOLS_SHARP,
     WAREHOUSE_DOMAIN,
     WAREHOUSE_PROBLEM,
-    gripper,
 )
 
-from mirror_explainer.errors import Cancelled, InputError, PlanningError
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
-from mirror_explainer.planning.downward import find_downward
-
-TOOLS = BeliefSpace(TOOLS_DOMAIN, TOOLS_PROBLEM, ('(polished)', '(lost)'), ('(saw-sharp)',))
-SHARP = frozenset(['(saw-sharp)'])
-HARD = BeliefSpace(*gripper(30)[:2], goals=(gripper(30)[2], '(robot-at there)'))
-
-
-@pytest.fixture(params=[True, False], ids=['grounded once', 'one by one'])
-def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
-    with Planner('fast-downward-opt', shortcuts=request.param) as planner:
-        yield planner
-
-
-def processes_of(session: int) -> list[int]:
-    """Return the living processes of a session, from /proc."""
-    found = []
-    for stat in Path('/proc').glob('[0-9]*/stat'):
-        try:
-            state, _, _, its_session = stat.read_text().rpartition(') ')[2].split()[:4]
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if int(its_session) == session and state != 'Z':
-            found.append(int(stat.parent.name))
-    return found
-
-
-def child_sessions(of: int = os.getpid()) -> set[int]:
-    """Return the sessions that children of a process lead."""
-    sessions = set()
-    for stat in Path('/proc').glob('[0-9]*/stat'):
-        try:
-            _, parent, _, session = stat.read_text().rpartition(') ')[2].split()[:4]
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if int(parent) == of and session == stat.parent.name:
-            sessions.add(int(session))
-    return sessions
-
-
-def searches_of(sessions: set[int]) -> list[int]:
-    """Return what runs in the sessions besides their leaders."""
-    return [pid for session in sessions for pid in processes_of(session) if pid != session]
-
-
-class Asking(threading.Thread):
-    """Asks for the hard belief, and keeps the error that ends it."""
-
-    def __init__(self, planner: Planner, space: BeliefSpace, cancelled: threading.Event) -> None:
-        super().__init__()
-        self._question = planner, space, cancelled
-        self.error: Exception | None = None
-        self.start()
-
-    def run(self) -> None:
-        planner, space, cancelled = self._question
-        try:
-            planner.plan(space, [Belief(0)], cancelled=cancelled)
-        except Exception as error:
-            self.error = error
-
-
-def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> bool:
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
 
 
 def test_costs_are_in_the_metric_and_actions_in_canonical_text(planner: Planner) -> None:
-    report = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
+    report = planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)])
 
     slow, fast = report.results
     assert slow.plans == (Plan(('(cut-slowly)', '(polish)'), 7 + 1),)
@@ -131,7 +55,7 @@ def test_no_plan_is_told_apart_from_a_goal_that_holds_already(planner: Planner) 
 
 def test_a_satisficing_engine_does_not_claim_optimal_plans() -> None:
     with Planner('fast-downward') as planner:
-        report = planner.plan(TOOLS, [Belief(0, SHARP)])
+        report = planner.plan(TOOLS, [Belief(0, TOOLS_SHARP)])
 
     assert report.results[0].status is Status.SOLVED
     assert not report.results[0].plans[0].optimal
@@ -156,8 +80,8 @@ def test_pyperplan_plans_without_fast_downward() -> None:
 
 
 def test_asking_again_costs_no_planner_call(planner: Planner) -> None:
-    first = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
-    again = planner.plan(TOOLS, [Belief(0, SHARP), Belief(0)])
+    first = planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)])
+    again = planner.plan(TOOLS, [Belief(0, TOOLS_SHARP), Belief(0)])
 
     assert first.planner_calls > 0
     assert again.planner_calls == 0
@@ -178,7 +102,7 @@ def test_progress_is_told_for_each_belief(planner: Planner) -> None:
     told: list[tuple[int, int]] = []
     planner.plan(
         TOOLS,
-        [Belief(0), Belief(0, SHARP), Belief(1)],
+        [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)],
         progress=lambda done, total: told.append((done, total)),
     )
 
@@ -186,72 +110,20 @@ def test_progress_is_told_for_each_belief(planner: Planner) -> None:
     assert [done for done, _ in told] == sorted(done for done, _ in told)
 
 
-def test_a_belief_without_a_plan_in_time_stays_unknown_and_the_others_do_not() -> None:
-    with Planner('pyperplan-opt', planning_timeout=2.0) as planner:
-        report = planner.plan(HARD, [Belief(0), Belief(1)])
+def test_progress_counts_only_the_beliefs_asked_about(planner: Planner) -> None:
+    told: list[tuple[int, int]] = []
 
-    hard, easy = report.results
-    assert hard.status is Status.UNKNOWN
-    assert 'within 2 s' in hard.reason
-    assert easy.status is Status.SOLVED
+    def progress(done: int, total: int) -> None:
+        told.append((done, total))
 
-
-def test_after_the_deadline_the_rest_stays_unknown() -> None:
-    with Planner('pyperplan-opt') as planner:
-        report = planner.plan(HARD, [Belief(0)], deadline=1.5)
-
-    assert report.results[0].status is Status.UNKNOWN
-    assert 'deadline' in report.results[0].reason
-
-
-@pytest.mark.parametrize(
-    ('engine', 'shortcuts'),
-    [('fast-downward-opt', True), ('fast-downward-opt', False), ('pyperplan-opt', False)],
-)
-def test_cancelling_ends_the_search_and_leaves_none_running(engine: str, shortcuts: bool) -> None:
-    before, cancelled = child_sessions(), threading.Event()
-    with Planner(engine, shortcuts=shortcuts, planning_timeout=60.0) as planner:
-        asking = Asking(planner, HARD, cancelled)
-        assert wait_until(lambda: any(searches_of(child_sessions() - before)) or 'py' in engine)
-        time.sleep(2.0 if 'py' in engine else 0.2)  # pyperplan searches within the worker
-        sessions = child_sessions() - before
-        cancelled.set()
-        asking.join(timeout=5.0)
-
-        assert isinstance(asking.error, Cancelled)
-        assert not searches_of(sessions)
-        assert 'py' not in engine or not sessions & child_sessions()
-        # The planner is still good for the next question.
-        assert planner.plan(HARD, [Belief(1)]).results[0].status is Status.SOLVED
-    assert child_sessions() == before
-
-
-def test_closing_from_another_thread_cancels_and_leaves_no_process_or_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
-    before = child_sessions()
-    planner = Planner('fast-downward-opt', planning_timeout=60.0)
-    asking = Asking(planner, HARD, threading.Event())
-    assert wait_until(lambda: searches_of(child_sessions() - before))
-    sessions = child_sessions() - before
-    planner.close()
-    asking.join(timeout=5.0)
-
-    assert isinstance(asking.error, Cancelled)
-    assert child_sessions() == before
-    assert not any(processes_of(session) for session in sessions)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_killed_worker_is_replaced(planner: Planner) -> None:
-    before = child_sessions()
+    planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)])
+    planner.plan(TOOLS, [Belief(1, TOOLS_SHARP)], progress=progress)
+    planner.plan(replace(TOOLS, goals=('(cut)',)), [Belief(0)])
     planner.plan(TOOLS, [Belief(0)])
-    for session in child_sessions() - before:
-        os.kill(session, signal.SIGKILL)
-    report = planner.plan(TOOLS, [Belief(0, SHARP)])
+    planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)], progress=progress)
 
-    assert report.results[0].plans[0].cost == 2 + 1
+    # One new; then, of two, one that is known already
+    assert told == [(1, 1), (2, 2)]
 
 
 def test_an_unknown_engine_is_named_together_with_the_installed_ones() -> None:
@@ -278,29 +150,6 @@ def test_a_belief_outside_the_space_is_refused(planner: Planner) -> None:
         planner.plan(TOOLS, [Belief(5)])
     with pytest.raises(ValueError, match='not uncertain'):
         planner.plan(TOOLS, [Belief(0, frozenset(['(raw)']))])
-
-
-def test_an_out_of_time_optimal_search_gives_way_to_a_plan_that_stands_in() -> None:
-    with Planner('fast-downward-opt', planning_timeout=0.5) as planner:
-        report = planner.plan(HARD, [Belief(0), Belief(1)])
-
-    hard, easy = report.results
-    assert hard.status is Status.SOLVED
-    assert not hard.plans[0].optimal
-    assert hard.plans[0].cost >= 30 * 2  # each ball is picked up and dropped
-    assert 'within 0.5 s' in hard.reason
-    assert easy.plans[0].optimal and easy.reason == ''
-
-
-def test_near_the_deadline_plans_stand_in_and_are_not_kept() -> None:
-    with Planner('fast-downward-opt') as planner:
-        planner.plan(HARD, [Belief(1)])  # so that its process is up
-        report = planner.plan(HARD, [Belief(0)], deadline=2.0)
-        again = planner.plan(HARD, [Belief(0)], deadline=2.0)
-
-    assert report.results[0].status is Status.SOLVED
-    assert 'deadline' in report.results[0].reason
-    assert again.planner_calls > 0
 
 
 def test_a_step_of_the_robot_keeps_the_grounding() -> None:
@@ -335,7 +184,7 @@ def test_decimal_costs_are_exact() -> None:
     domain = domain.replace('(total-cost) 1)', '(total-cost) 0.25)')
     space = BeliefSpace(domain, TOOLS_PROBLEM, TOOLS.goals, TOOLS.uncertain_facts)
     with Planner('fast-downward-opt') as planner:
-        report = planner.plan(space, [Belief(0, SHARP)])
+        report = planner.plan(space, [Belief(0, TOOLS_SHARP)])
 
     assert report.results[0].plans == (Plan(('(cut-fast)', '(polish)'), 0.35),)
 
@@ -348,7 +197,8 @@ def test_only_numbers_that_actions_cost_count() -> None:
     with Planner('fast-downward-opt') as planner:
         reports = [
             planner.plan(
-                BeliefSpace(changed, text, TOOLS.goals, TOOLS.uncertain_facts), [Belief(0, SHARP)]
+                BeliefSpace(changed, text, TOOLS.goals, TOOLS.uncertain_facts),
+                [Belief(0, TOOLS_SHARP)],
             )
             for changed, text in (
                 (domain, problem),
@@ -367,145 +217,11 @@ def test_conditional_effects_are_planned_for_one_belief_at_a_time() -> None:
     domain = TOOLS_DOMAIN.replace('(and (polished)', '(and (when (saw-sharp) (lost)) (polished)')
     space = BeliefSpace(domain, TOOLS_PROBLEM, TOOLS.goals, TOOLS.uncertain_facts)
     with Planner('fast-downward-opt') as planner:
-        report = planner.plan(space, [Belief(1), Belief(1, SHARP)])
+        report = planner.plan(space, [Belief(1), Belief(1, TOOLS_SHARP)])
 
     assert 'conditional effects' in report.way
     assert report.results[0].status is Status.UNSOLVABLE
     assert report.results[1].plans == (Plan(('(cut-fast)', '(polish)'), 3),)
-
-
-def test_a_search_that_needs_too_much_memory_gives_way_to_a_plan_that_stands_in() -> None:
-    with Planner('fast-downward-opt', memory_limit=60) as planner:
-        report = planner.plan(HARD, [Belief(0)])
-
-    assert not report.results[0].plans[0].optimal
-    assert 'memory' in report.results[0].reason
-
-
-def test_a_named_downward_program_is_used(tmp_path: Path) -> None:
-    asked = tmp_path / 'asked'
-    wrapper = tmp_path / 'downward'
-    wrapper.write_text(f'#!/bin/sh\n: > {asked}\nexec {find_downward("")} "$@"\n')
-    wrapper.chmod(0o755)
-    with Planner('fast-downward-opt', downward_binary=str(wrapper)) as planner:
-        report = planner.plan(TOOLS, [Belief(0)])
-
-    assert report.results[0].plans[0].cost == 8
-    assert asked.exists()
-
-
-def test_a_missing_downward_program_is_told() -> None:
-    with pytest.raises(PlanningError, match='/no/such/downward'):
-        Planner('fast-downward-opt', downward_binary='/no/such/downward')
-
-
-def test_a_program_that_always_fails_is_told(tmp_path: Path) -> None:
-    wrapper = tmp_path / 'downward'
-    wrapper.write_text('#!/bin/sh\nexit 99\n')
-    wrapper.chmod(0o755)
-    with (
-        Planner('fast-downward-opt', downward_binary=str(wrapper)) as planner,
-        pytest.raises(PlanningError, match='code 99'),
-    ):
-        planner.plan(TOOLS, [Belief(0)])
-
-
-def test_the_workers_end_when_the_program_that_started_them_is_killed() -> None:
-    code = (
-        'import time; from mirror_explainer.planning import Planner; '
-        "planner = Planner('fast-downward-opt'); print('up', flush=True); time.sleep(60)"
-    )
-    root = str(Path(__file__).parent.parent)
-    with subprocess.Popen(
-        [sys.executable, '-c', code],
-        stdout=subprocess.PIPE,
-        env=os.environ | {'PYTHONPATH': root},
-    ) as program:
-        assert program.stdout is not None and program.stdout.readline() == b'up\n'
-        sessions = child_sessions(program.pid)
-        program.kill()
-
-    assert sessions
-    assert wait_until(lambda: not any(processes_of(session) for session in sessions))
-
-
-def test_newer_input_is_answered_right_after_older_work_is_cancelled(planner: Planner) -> None:
-    cancelled = threading.Event()
-    asking = Asking(planner, HARD, cancelled)
-    time.sleep(0.3)
-    cancelled.set()
-    report = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
-    asking.join(timeout=5.0)
-
-    assert isinstance(asking.error, Cancelled)
-    assert [result.plans[0].cost for result in report.results] == [8, 3]
-
-
-def test_two_questions_at_once_are_both_answered_right(planner: Planner) -> None:
-    changed = replace(TOOLS, problem=TOOLS_PROBLEM.replace('(raw)', '(cut)'))
-    costs: dict[str, list[float]] = {'raw': [], 'cut': []}
-
-    def ask(name: str, space: BeliefSpace) -> None:
-        for _ in range(3):
-            report = planner.plan(space, [Belief(0)])
-            costs[name].append(report.results[0].plans[0].cost)
-
-    other = threading.Thread(target=ask, args=('cut', changed))
-    other.start()
-    ask('raw', TOOLS)
-    other.join(timeout=20.0)
-
-    assert costs == {'raw': [8, 8, 8], 'cut': [1, 1, 1]}
-
-
-def test_a_caller_that_fails_at_progress_leaves_the_planner_usable(planner: Planner) -> None:
-    def fail(done: int, total: int) -> None:
-        raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)], progress=fail)
-    report = planner.plan(TOOLS, [Belief(0), Belief(0, SHARP)])
-
-    assert [result.plans[0].cost for result in report.results] == [8, 3]
-
-
-def test_a_search_that_is_killed_is_searched_again() -> None:
-    before = child_sessions()
-    with Planner('fast-downward-opt', planning_timeout=2.0) as planner:
-        asking = Asking(planner, HARD, threading.Event())
-        assert wait_until(lambda: searches_of(child_sessions() - before))
-        time.sleep(0.3)  # beyond the first try
-        for search in searches_of(child_sessions() - before):
-            os.kill(search, signal.SIGKILL)
-        asking.join(timeout=20.0)
-        report = planner.plan(HARD, [Belief(0)])
-
-    assert asking.error is None
-    assert report.planner_calls == 0
-    assert 'within 2 s' in report.results[0].reason
-
-
-def test_a_worker_killed_in_the_middle_of_a_search_is_replaced() -> None:
-    before = child_sessions()
-    with Planner('fast-downward-opt', planning_timeout=1.0) as planner:
-        asking = Asking(planner, HARD, threading.Event())
-        assert wait_until(lambda: searches_of(child_sessions() - before))
-        for session in child_sessions() - before:
-            os.kill(session, signal.SIGKILL)
-        asking.join(timeout=20.0)
-        report = planner.plan(HARD, [Belief(0), Belief(1)])
-
-    assert asking.error is None
-    assert report.results[0].status is Status.SOLVED
-    assert report.results[1].plans[0].optimal
-    assert child_sessions() == before
-
-
-def test_a_full_or_missing_temporary_directory_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tempfile, 'tempdir', '/no/such/directory')
-
-    with pytest.raises(PlanningError, match='/no/such/directory'):
-        Planner('fast-downward-opt')
 
 
 def test_goals_of_every_shape_are_planned_for() -> None:

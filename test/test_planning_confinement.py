@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from pddl_cases import WAREHOUSE_DOMAIN, WAREHOUSE_PROBLEM, gripper
-from test_planning import HARD, Asking, child_sessions, processes_of, searches_of, wait_until
+from processes import HARD, Asking, child_sessions, processes_of, searches_of, wait_until
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning import Belief, BeliefSpace, Planner

@@ -1,14 +1,11 @@
 """PDDL texts in: tasks, their atoms and goals, and the states that actions lead to."""
 
+from mirror_explainer.pddl.atoms import atom_text, conjuncts, ground_text, literals, words_of
 from mirror_explainer.pddl.task import (
     Task,
-    atom_text,
-    conjuncts,
     fluent_expression,
     forget_expressions,
     goal_expression,
-    ground_text,
-    literals,
     read_task,
     require_definition,
 )
@@ -24,4 +21,5 @@ __all__ = [
     'literals',
     'read_task',
     'require_definition',
+    'words_of',
 ]

@@ -15,10 +15,19 @@ from typing import Any
 import unified_planning.model as up
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.pddl.atoms import fluents_in
 from mirror_explainer.pddl.axiom_rules import Axiom, AxiomRules, is_made_up
 from mirror_explainer.pddl.datalog import ExplosionError, Fact, Program, UnstratifiedError
 from mirror_explainer.pddl.expressions import Expressions, nested_words
-from mirror_explainer.pddl.sections import blanked, line_at, section, sections, without_comments
+from mirror_explainer.pddl.sections import (
+    blanked,
+    line_at,
+    line_of,
+    section,
+    sections,
+    without_comments,
+)
+from mirror_explainer.pddl.texts import Texts
 
 _DERIVED = ':derived'
 _REQUIREMENT = re.compile(r':(?:derived-predicates|domain-axioms)(?![\w-])', re.IGNORECASE)
@@ -64,7 +73,7 @@ class Axioms:
             fluent = waiting.pop()
             for axiom in self.axioms:
                 if axiom.fluent == fluent:
-                    new = _fluents(axiom.body) - found
+                    new = fluents_in(axiom.body) - found
                     found |= new
                     waiting += new
         return frozenset(found)
@@ -77,7 +86,7 @@ class Axioms:
             conditions += action.preconditions
             for effect in action.effects:
                 conditions += [effect.condition, effect.value]
-        return self.basis(set().union(*map(_fluents, conditions)))
+        return self.basis(fluents_in(*conditions))
 
     @cached_property
     def _program(self) -> tuple[Program, tuple[Fact, ...]]:
@@ -170,32 +179,31 @@ class _State(up.UPState):
         return _State(values, self._axioms, derived, left)
 
 
-def read_axioms(
-    model: up.Problem, domain: str, problem: str, domain_source: str, problem_source: str
-) -> Axioms | None:
+def read_axioms(model: up.Problem, texts: Texts) -> Axioms | None:
     """Return the domain's axioms, None if it has none; `model` was read without them.
 
     Raises InputError that names what is wrong with them, and the line.
     """
+    domain, source = texts.domain, texts.domain_source
     found = []
     for part in sections(domain):
         if part.keyword == _DERIVED:
             text = without_comments(domain[part.start : part.end]).lower()
             try:
-                found.append(_axiom(model, nested_words(text, domain_source), domain_source))
+                found.append(_axiom(model, nested_words(text, source), source))
             except InputError as error:
                 line = line_at(domain, part.start)
-                raise InputError(domain_source, error.reason, line) from error
+                raise InputError(source, error.reason, line) from error
     if not found:
         return None
-    axioms = Axioms(tuple(found), model, domain_source)
-    _require_derived_only(axioms, domain, problem, domain_source, problem_source)
+    axioms = Axioms(tuple(found), model, source)
+    _require_derived_only(axioms, texts)
     try:
         Program(AxiomRules(found).rules)
     except UnstratifiedError as error:
         names = ', '.join(f'"{n}"' for n in error.predicates if not is_made_up(n))
         raise InputError(
-            domain_source,
+            source,
             f'derived predicates depend on their own negation, or on (forall …) about '
             f'themselves: {names}',
         ) from error
@@ -212,11 +220,9 @@ def _axiom(model: up.Problem, words: Any, source: str) -> Axiom:
     if not isinstance(name, str) or not model.has_fluent(name):
         raise InputError(source, f'{shown} is not declared in :predicates')
     fluent = model.fluent(name)
-    faults = list[str]()
-    expressions = Expressions(model, faults)
+    expressions = Expressions(model)
     bound = expressions.variables(parameters)
-    if faults:
-        raise InputError(source, '; '.join(faults))
+    expressions.require_known(source)
     if not fluent.type.is_bool_type():
         raise InputError(source, f'{shown} is declared as a number')
     if fluent.arity != len(bound):
@@ -233,32 +239,29 @@ def _axiom(model: up.Problem, words: Any, source: str) -> Axiom:
                 f'{variable}',
             )
     condition = expressions.expression(body, bound)
-    if faults:
-        raise InputError(source, '; '.join(faults))
+    expressions.require_known(source)
     return Axiom(fluent, tuple(bound.values()), condition)
 
 
-def _require_derived_only(
-    axioms: Axioms, domain: str, problem: str, domain_source: str, problem_source: str
-) -> None:
+def _require_derived_only(axioms: Axioms, texts: Texts) -> None:
     """Raise InputError if an action, or the initial state, sets a derived fact."""
     for action in axioms.model.actions:
         for effect in _effects(action):
             if effect.fluent.fluent() in axioms.fluents:
                 own = rf'\(\s*:\S*action\s+{re.escape(action.name)}(?![\w-])'
                 raise InputError(
-                    domain_source,
+                    texts.domain_source,
                     f'"{effect.fluent.fluent().name}" is derived, but the action '
                     f'"{action.name}" changes it',
-                    _line_of(own, domain),
+                    line_of(own, texts.domain),
                 )
     for atom, value in axioms.model.explicit_initial_values.items():
         name = atom.fluent().name
         if value.is_true() and atom.fluent() in axioms.fluents:
             raise InputError(
-                problem_source,
+                texts.problem_source,
                 f'"{name}" is derived, so it cannot be among the initial facts',
-                _line_of(rf'\(\s*{re.escape(name)}(?![\w-])', problem),
+                line_of(rf'\(\s*{re.escape(name)}(?![\w-])', texts.problem),
             )
 
 
@@ -266,15 +269,3 @@ def _effects(action: up.Action) -> list[up.Effect]:
     if isinstance(action, up.DurativeAction):
         return [*itertools.chain.from_iterable(action.effects.values())]
     return [*action.effects]
-
-
-def _line_of(expression: str, text: str) -> int | None:
-    found = re.search(expression, without_comments(text), re.IGNORECASE)
-    return line_at(text, found.start()) if found else None
-
-
-def _fluents(expression: up.FNode) -> set[up.Fluent]:
-    """Return the fluents in an expression, under quantifiers, too."""
-    if expression.is_fluent_exp():
-        return {expression.fluent()}
-    return set().union(*map(_fluents, expression.args))

@@ -1,34 +1,68 @@
-"""The types (either a b) of variables as common supertypes, which PDDL's readers know.
+"""The types (either a b) as types that PDDL's readers know.
 
-A type made up for a and b has their objects and no others if it stands between
-the two and the one type that is above both.
+For variables, a common supertype: a type made up for a and b has their objects
+and no others if it stands between the two and the one type that is above both.
+For what predicates take, the type object.
 """
 
 import re
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 
-from mirror_explainer.pddl.sections import blanked, section, sections, without_comments
+from mirror_explainer.pddl.sections import blanked, line_at, section, sections, without_comments
+from mirror_explainer.pddl.texts import Texts
 
-_EITHER = re.compile(r'\(\s*either\b([^()]*)\)', re.IGNORECASE)
+EITHER = re.compile(r'\(\s*either\b([^()]*)\)', re.IGNORECASE)
 
 # What is listed there is no variable that ranges over the objects of its type.
 _WITHOUT_VARIABLES = (':predicates', ':types', ':constants', ':objects')
 
 
-def with_common_supertypes(domain: str, problem: str) -> tuple[str, str]:
-    """Return domain and problem with a supertype for every (either …) that a variable has.
+def with_common_supertypes(texts: Texts) -> Texts:
+    """Return the texts with a supertype for every (either …) that a variable has.
 
     Those stay for which a type would need two types right above it.
     """
+    domain, problem = texts.domain, texts.problem
     parents = _parents(domain)
     used = [_alternatives(found[1], parents) for t in (domain, problem) for found in _eithers(t)]
     names = {types: name for types in used if (name := _name(types, used, parents))}
     made_up = {types: name for types, name in names.items() if len(types) > 1}
     words = set(re.findall(r'[^\s()]+', f'{domain} {problem}'.lower()))
     if not names or words & {*made_up.values()}:
-        return domain, problem
+        return texts
     domain, problem = (_named(text, names, parents) for text in (domain, problem))
-    return _with_types(domain, parents, made_up), problem
+    return replace(texts, domain=_with_types(domain, parents, made_up), problem=problem)
+
+
+def with_plain_predicates(domain: str) -> str:
+    """Return the domain with the type object for every (either …) in :predicates.
+
+    Predicates then take more than declared; what actions can do stays the same,
+    since the types of their own parameters decide on that.
+    """
+    alternatives = [*_in_predicates(domain)]
+    for found in reversed(alternatives):
+        domain = blanked(domain, found.start(), found.end(), 'object')
+    types = section(domain, ':types') if alternatives else None
+    # A type that is declared as a supertype only is, for unified-planning, no object.
+    roots = ' '.join(sorted(_roots(_declared(domain)))) if types else ''
+    if types and roots:
+        domain = f'{domain[: types.end - 1]} {roots} - object{domain[types.end - 1 :]}'
+    return domain
+
+
+def types_in_predicates(domain: str) -> Iterator[tuple[str, int]]:
+    """Yield each type that an (either …) in :predicates names, in lower case, with its line."""
+    for found in _in_predicates(domain):
+        for name in found[1].lower().split():
+            yield name, line_at(domain, found.start())
+
+
+def _in_predicates(domain: str) -> Iterator[re.Match[str]]:
+    predicates = section(domain, ':predicates')
+    if predicates:
+        yield from EITHER.finditer(without_comments(domain), predicates.start, predicates.end)
 
 
 def _eithers(text: str) -> Iterator[re.Match[str]]:
@@ -36,11 +70,17 @@ def _eithers(text: str) -> Iterator[re.Match[str]]:
     plain = without_comments(text)
     for part in sections(text):
         if part.keyword not in _WITHOUT_VARIABLES:
-            yield from _EITHER.finditer(plain, part.start, part.end)
+            yield from EITHER.finditer(plain, part.start, part.end)
 
 
 def _parents(domain: str) -> dict[str, str]:
     """Return each type's supertype; types that are declared as supertypes only have object."""
+    parents = _declared(domain)
+    return parents | dict.fromkeys(_roots(parents), 'object')
+
+
+def _declared(domain: str) -> dict[str, str]:
+    """Return the supertype of each type that is declared for itself."""
     types = section(domain, ':types')
     if not types:
         return {}
@@ -57,9 +97,12 @@ def _parents(domain: str) -> dict[str, str]:
             names = []
         else:
             names.append(word)
-    parents |= dict.fromkeys(names, 'object')
-    roots = {parent for parent in parents.values() if parent not in parents} - {'object'}
-    return parents | dict.fromkeys(roots, 'object')
+    return parents | dict.fromkeys(names, 'object')
+
+
+def _roots(parents: Mapping[str, str]) -> set[str]:
+    """Return the types that are declared as supertypes only."""
+    return {parent for parent in parents.values() if parent not in parents} - {'object'}
 
 
 def _alternatives(words: str, parents: Mapping[str, str]) -> frozenset[str]:

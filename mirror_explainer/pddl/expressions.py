@@ -22,12 +22,17 @@ NESTED = pyparsing.nested_expr(content=pyparsing.Regex(r'[^\s()]+'), ignore_expr
 
 
 class Expressions:
-    """Builds expressions from nested lists of words, and collects the faults it meets."""
+    """Builds expressions from nested lists of words, and collects the `faults` it meets."""
 
-    def __init__(self, model: up.Problem, faults: list[str]) -> None:
+    def __init__(self, model: up.Problem) -> None:
         self._model = model
         self._manager = model.environment.expression_manager
-        self._faults = faults
+        self.faults: list[str] = []
+
+    def require_known(self, source: str) -> None:
+        """Raise InputError that tells all faults, if there are any."""
+        if self.faults:
+            raise InputError(source, '; '.join(self.faults))
 
     def expression(self, tree: Any, variables: dict[str, up.Variable]) -> up.FNode:
         """Return a condition; `variables` are those it may use, by name with the question mark."""
@@ -108,7 +113,7 @@ class Expressions:
 
     def _fault(self, reason: str, name: str = '', names: Iterable[str] = ()) -> up.FNode:
         close = difflib.get_close_matches(name, names, n=1)
-        self._faults.append(f'{reason} (did you mean "{close[0]}"?)' if close else reason)
+        self.faults.append(f'{reason} (did you mean "{close[0]}"?)' if close else reason)
         return self._manager.TRUE()
 
 
@@ -122,8 +127,6 @@ def nested_words(text: str, source: str) -> Any:
         raise InputError(
             source, f'"{shown}" is not one expression in balanced parentheses'
         ) from error
-    except RecursionError as error:
-        raise InputError(source, 'the text is nested too deeply') from error
 
 
 def as_text(tree: Any) -> str:

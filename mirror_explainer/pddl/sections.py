@@ -4,20 +4,8 @@ For what unified-planning's reader refuses, or would misread, or names no line f
 """
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mirror_explainer.errors import InputError
-
-# What may stand in a domain, but not for unified-planning's reader or its compiler.
-_REFUSED = {
-    ':axiom': 'axioms in an old form (:axiom; write :derived)',
-    ':process': 'processes (:process)',
-    ':event': 'events (:event)',
-    ':task': 'tasks to be broken down (:task)',
-    ':method': 'methods (:method)',
-}
-_EITHER = re.compile(r'\(\s*either\b([^()]*)\)', re.IGNORECASE)
 _TOTAL_TIME = re.compile(r':metric\s+minimize\s*\(?\s*total-time\s*\)?\s*\)', re.IGNORECASE)
 _COST_EFFECT = re.compile(r'\(\s*increase\s*\(\s*total-cost\s*\)', re.IGNORECASE)
 
@@ -63,72 +51,18 @@ def line_at(text: str, position: int) -> int:
     return text.count('\n', 0, position) + 1
 
 
+def line_of(pattern: str, text: str) -> int | None:
+    """Return the first line outside comments, from 1, that a regular expression fits, or None."""
+    found = re.search(pattern, without_comments(text), re.IGNORECASE)
+    return line_at(text, found.start()) if found else None
+
+
 def blanked(text: str, start: int, end: int, instead: str = '') -> str:
     """Return the text with something shorter instead of a piece, and its lines where they were."""
     blanks = re.sub(r'\S', ' ', text[start:end])
     if '\n' in blanks[: len(instead)] or len(instead) > len(blanks):
         return text[:start] + instead + blanks + text[end:]
     return text[:start] + instead + blanks[len(instead) :] + text[end:]
-
-
-def require_readable(domain: str, problem: str, domain_source: str, problem_source: str) -> None:
-    """Raise InputError for what unified-planning does not read, with its name and line."""
-    for part in sections(domain):
-        if part.keyword in _REFUSED:
-            raise InputError(
-                domain_source,
-                f'it has {_REFUSED[part.keyword]}, which unified-planning cannot read',
-                line_at(domain, part.start),
-            )
-    for text, source in (
-        (with_plain_predicates(domain), domain_source),
-        (problem, problem_source),
-    ):
-        found = _EITHER.search(without_comments(text))
-        if found:
-            raise InputError(
-                source,
-                f'no one type stands for "{found[0]}" here; declare a common supertype instead',
-                line_at(text, found.start()),
-            )
-
-
-def with_plain_predicates(domain: str) -> str:
-    """Return the domain with the type object for every (either …) in :predicates.
-
-    Predicates then take more than declared; what actions can do stays the same,
-    since the types of their own parameters decide on that.
-    """
-    alternatives = [found for found, _ in _alternatives(domain)]
-    for found in reversed(alternatives):
-        domain = blanked(domain, found.start(), found.end(), 'object')
-    types = section(domain, ':types') if alternatives else None
-    if types:
-        # A type that is declared as a supertype only is, for unified-planning, no object.
-        words = without_comments(domain)[types.start : types.end].lower().strip('()').split()[1:]
-        supertypes = {word for dash, word in zip(words, words[1:], strict=False) if dash == '-'}
-        declared = {
-            word for before, word in zip(['', *words], words, strict=False) if before != '-'
-        }
-        roots = ' '.join(sorted(supertypes - declared - {'object'}))
-        if roots:
-            domain = f'{domain[: types.end - 1]} {roots} - object{domain[types.end - 1 :]}'
-    return domain
-
-
-def types_in_alternatives(domain: str) -> Iterator[tuple[str, int]]:
-    """Yield each type that an (either …) in :predicates names, in lower case, with its line."""
-    for found, line in _alternatives(domain):
-        for name in found[1].lower().split():
-            yield name, line
-
-
-def _alternatives(domain: str) -> Iterator[tuple[re.Match[str], int]]:
-    predicates = section(domain, ':predicates')
-    if predicates:
-        plain = without_comments(domain)
-        for found in _EITHER.finditer(plain, predicates.start, predicates.end):
-            yield found, line_at(domain, found.start())
 
 
 def without_total_time(problem: str) -> str:

@@ -10,6 +10,7 @@ from unified_planning.model.walkers.linear_checker import LinearChecker
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.sections import line_at, section, without_comments
+from mirror_explainer.pddl.texts import Texts
 
 # unified-planning's reader and Python's own stack end some levels deeper.
 DEEPEST = 40
@@ -37,20 +38,17 @@ def require_shallow(text: str, source: str) -> None:
         )
 
 
-def require_few(
-    domain: str,
-    problem: str,
-    limits: InputLimits,
-    domain_source: str,
-    problem_source: str,
-) -> None:
+def require_few(texts: Texts, limits: InputLimits) -> None:
     """Raise InputError for more objects or words than the limits allow.
 
-    `problem` is without its plain facts, which cost little to read.
+    The problem is to be without its plain facts, which cost little to read.
     """
-    objects = _names(domain, ':constants') + _names(problem, ':objects')
-    limits.require('max_objects', objects, 'its objects', problem_source)
-    for text, source in ((domain, domain_source), (problem, problem_source)):
+    objects = _names(texts.domain, ':constants') + _names(texts.problem, ':objects')
+    limits.require('max_objects', objects, 'its objects', texts.problem_source)
+    for text, source in (
+        (texts.domain, texts.domain_source),
+        (texts.problem, texts.problem_source),
+    ):
         words = len(_WORD.findall(without_comments(text)))
         limits.require('max_words', words, 'its words, plain facts left out,', source)
 

@@ -119,7 +119,7 @@ def _item_end(plain: str, start: int, end: int) -> int:
 
 def _fault(model: up.Problem, fact: PlainFact) -> str:
     """Say in what a fact does not fit the declarations."""
-    faults: list[str] = []
+    expressions = Expressions(model)
     if fact.value is None:
-        Expressions(model, faults).atom(list(fact.words), {})
-    return '; '.join(faults) or f'{fact} does not fit what the domain declares'
+        expressions.atom(list(fact.words), {})
+    return '; '.join(expressions.faults) or f'{fact} does not fit what the domain declares'

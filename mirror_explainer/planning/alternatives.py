@@ -6,7 +6,7 @@ optimal plans (`flagged_task.py`), and from these the plans are put together
 """
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
@@ -24,7 +24,8 @@ class Alternative:
 
     `plan` is one of them, `cost` what it costs with no free actions, `found` all
     that searches met, by their sorted actions. `seen` are the names of their
-    operators as far as known, all of them when `complete`.
+    operators as far as known, all of them when `complete`. `parents` have more
+    facts, and the same optimal cost.
     """
 
     node: Node
@@ -34,6 +35,7 @@ class Alternative:
     seen: set[str] = field(default_factory=set)
     complete: bool = False
     result: OptimalPlans | None = None
+    parents: list['Alternative'] = field(default_factory=list)
     open_parents: int = 0
     children: list['Alternative'] = field(default_factory=list)
     hopeless: bool = False
@@ -44,49 +46,60 @@ class Alternative:
         return self.node.members
 
 
+def alternatives(
+    walks: Iterable[SupersetWalk], most: int
+) -> tuple[list['Alternatives'], dict[Node, BeliefPlans]]:
+    """Return what is still to be found after some walks, and results that stay as they are.
+
+    Those are of nodes where the goal holds already, and of all nodes of a walk whose
+    costs are too large for these searches.
+    """
+    found, settled = [], {}
+    for walk in walks:
+        task = with_positive_costs(walk.task)
+        if task is not None:
+            found.append(Alternatives(walk, task, most))
+        for node, plan in walk.optimal():
+            if task is None or not plan:
+                settled[node] = walk.result(node, Finding(plan), '')
+    return found, settled
+
+
 class Alternatives:
-    """Finds up to `most` optimal plans, up to order, for each node that the walk has solved."""
+    """Finds up to `most` optimal plans, up to order, for each node that the walk has solved.
+
+    `task` is the walk's without free actions.
+    """
 
     required = False
     provisional = False
     # Most of these searches succeed, and LM-cut alone is the quicker one then.
     first_try = 1.0
 
-    def __init__(self, walk: SupersetWalk, most: int) -> None:
+    def __init__(self, walk: SupersetWalk, task: GroundTask, most: int) -> None:
         self._walk = walk
-        self._most = most
-        self.ready: deque[Alternative] = deque()
-        task = with_positive_costs(walk.task)
-        self._left_alone = [node for node, plan in walk.optimal() if task is None or not plan]
-        if task is None:
-            return
         self._task = task
+        self._most = most
         self._useful_for: dict[int, GroundTask] = {}
         self._cost_of = {operator.name: operator.cost for operator in task.operators}
         self._free_actions = task is not walk.task
         found = {node: Alternative(node, plan) for node, plan in walk.optimal() if plan}
-        self._parents = {
-            alternative: [found[p] for p in node.parents if p in found and p.cost == node.cost]
-            for node, alternative in found.items()
-        }
-        for alternative, parents in self._parents.items():
-            alternative.open_parents = len(parents)
-            for parent in parents:
+        for node, alternative in found.items():
+            alternative.parents = [
+                found[p] for p in node.parents if p in found and p.cost == node.cost
+            ]
+            alternative.open_parents = len(alternative.parents)
+            for parent in alternative.parents:
                 parent.children.append(alternative)
             if not self._free_actions:
                 self._take_in(alternative, alternative.plan)
-        self.ready.extend(a for a in found.values() if not a.open_parents)
-
-    def settled(self) -> Iterator[tuple[Sequence[Belief], BeliefPlans]]:
-        """Yield the beliefs whose one plan will stay the only one, with their result."""
-        for node in self._left_alone:
-            yield node.members, self._walk.result(node, Finding(node.plan), '')
+        self.ready = deque(a for a in found.values() if not a.open_parents)
 
     def known(self, subject: Alternative) -> Finding | None:
         """Return a plan if no search is needed, since more facts had the same optimal cost."""
         if self._free_actions:
             return None
-        parents = [parent for parent in self._parents[subject] if parent.complete]
+        parents = [parent for parent in subject.parents if parent.complete]
         if not parents:
             return None
         subject.seen = set.intersection(*(parent.seen for parent in parents))
@@ -145,12 +158,12 @@ class Alternatives:
         if subject.result is None:
             return None
         plans = subject.result.plans
-        cost = self._walk.cost(subject.node, subject.plan)
+        cost = self._walk.cost(subject.plan)
         return BeliefPlans(Status.SOLVED, tuple(Plan(actions, cost) for actions in plans), reason)
 
     def _inherited(self, subject: Alternative) -> OptimalPlans | None:
         """Return all plans of a node with more facts if every one works here, None otherwise."""
-        for parent in self._parents[subject]:
+        for parent in subject.parents:
             if parent.complete and parent.result and parent.result.all:
                 plans = parent.result.plans
                 if all(self._walk.checked(subject.node, plan) for plan in plans):

@@ -39,7 +39,9 @@ _log = logging.getLogger(__name__)
 class DownwardWay:
     """A worker process that grounds, and runs `workers` searches at a time.
 
-    It starts at once, so that it is there when it is needed.
+    `downward` is the path of the search program. A search may take `planning_timeout`
+    seconds; each process may use `memory_limit` MiB. The worker starts at once, so
+    that it is there when it is needed.
     """
 
     def __init__(

@@ -1,6 +1,6 @@
 """Worker of the fast way: Fast Downward, grounded once for all beliefs of a space.
 
-Run as a module by `worker.py`. It is the only program here that imports the
+Run by its path by `worker.py`. It is the only program here that imports the
 translator; the searches are processes of its own group.
 """
 
@@ -9,13 +9,13 @@ from dataclasses import replace
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning import translator
-from mirror_explainer.planning.alternatives import Alternatives
+from mirror_explainer.planning.alternatives import alternatives
 from mirror_explainer.planning.beliefs import Belief
 from mirror_explainer.planning.child import Parent
 from mirror_explainer.planning.confinement import limit_memory
 from mirror_explainer.planning.grounding import Grounding
 from mirror_explainer.planning.messages import Ask, Attempt, Done, Refusal, Stop, Unfitting
-from mirror_explainer.planning.pddl_lists import Lists
+from mirror_explainer.planning.pddl_lists import Lists, UnfitError
 from mirror_explainer.planning.searches import Searches
 from mirror_explainer.planning.subject import Subjects
 from mirror_explainer.planning.superset_walk import SupersetWalk
@@ -48,9 +48,9 @@ class DownwardWorker:
             finished = searches.run(subjects, self._parent.fileno(), self._stopped)
             if finished and ask.plans_per_belief > 1:
                 walks = [walk for walk in subjects if isinstance(walk, SupersetWalk)]
-                others = [Alternatives(walk, ask.plans_per_belief) for walk in walks]
-                for beliefs, result in (pair for other in others for pair in other.settled()):
-                    report(beliefs, Attempt(result))
+                others, settled = alternatives(walks, ask.plans_per_belief)
+                for node, result in settled.items():
+                    report(node.members, Attempt(result))
                 searches.run(others, self._parent.fileno(), self._stopped)
         except PlanningError as error:
             return Refusal(str(error), error.cure)
@@ -64,8 +64,10 @@ class DownwardWorker:
                 f'planning does not get what it needs of the system: {error}',
                 'Free memory, or allow more processes and open files.',
             )
-        except (Exception, SystemExit) as error:  # whatever the translator may raise
-            return Unfitting(f'{type(error).__name__}: {error}')
+        except UnfitError as error:
+            return Unfitting(str(error))
+        except Exception as error:  # a fault here, or a translator that has changed inside
+            return Unfitting(f'{type(error).__name__}: {error}', unexpected=True)
         return Done(searches.calls, searches.searching, way)
 
     def _stopped(self) -> bool:

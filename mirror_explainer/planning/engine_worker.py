@@ -1,6 +1,6 @@
 """Worker of the general way: one unified-planning engine, one call a belief.
 
-Run as a module by `worker.py`. unified-planning is not thread-safe and engines
+Run by its path by `worker.py`. unified-planning is not thread-safe and engines
 may hang or crash, which is why this is a process of its own.
 """
 
@@ -33,19 +33,19 @@ _NO_PLAN = {
 }
 
 
-class Beliefs:
-    """The problem of a belief space, with the initial facts and the goal of one belief at a time.
+class Engine:
+    """A planning engine with a belief space's problem, as it is under one belief at a time.
 
     Raises InputError for texts that cannot be read, and PlanningError when the
     engine is not there or does not support the problem.
     """
 
-    def __init__(self, engine: str, space: BeliefSpace) -> None:
-        self._engine = engine
+    def __init__(self, name: str, space: BeliefSpace) -> None:
+        self._name = name
         task = pddl.read_task(space.domain, space.problem)
         if task.axioms:
             raise PlanningError(
-                f'the planning engine "{engine}" does not support derived predicates (:derived): '
+                f'the planning engine "{name}" does not support derived predicates (:derived): '
                 'unified-planning has none',
                 cure='Name fast-downward-opt as the planner, or leave them out of the PDDL.',
             )
@@ -54,11 +54,11 @@ class Beliefs:
         self._facts = {
             fact: pddl.fluent_expression(self._model, fact) for fact in space.uncertain_facts
         }
-        engine_class = _engine_class(engine)
+        engine_class = _engine_class(name)
         self._optimal = engine_class.satisfies(OptimalityGuarantee.SOLVED_OPTIMALLY)
         for goal in self._goals:
             self._set_goal(goal)
-            _require_support(engine, engine_class, self._model)
+            _require_support(name, engine_class, self._model)
 
     def _set_goal(self, goal: up.FNode) -> None:
         self._model.clear_goals()
@@ -70,7 +70,7 @@ class Beliefs:
             self._model.set_initial_value(expression, fact in belief.true_facts)
         self._set_goal(self._goals[belief.goal])
         try:
-            with OneshotPlanner(name=self._engine) as planner:
+            with OneshotPlanner(name=self._name) as planner:
                 result = planner.solve(self._model)
         except MemoryError:
             return unknown('the engine ran out of memory')
@@ -133,7 +133,7 @@ def main() -> None:
     """Serve the parent until it ends this process."""
     parent = Parent()
     warnings.simplefilter('ignore')
-    beliefs: Beliefs | None = None
+    engine: Engine | None = None
     seconds = 0.0
     while True:
         message = parent.receive()
@@ -144,7 +144,7 @@ def main() -> None:
             pddl.forget_expressions()
             get_environment().credits_stream = None
             try:
-                beliefs = Beliefs(message.engine, message.space)
+                engine = Engine(message.engine, message.space)
             except InputError as error:
                 place = (error.source, error.reason, error.line)
                 parent.send(Refusal(str(error), error.cure, place))
@@ -154,9 +154,9 @@ def main() -> None:
                 parent.send(Refusal(str(error), 'Name another engine as the planner.'))
             else:
                 parent.send(None)
-        elif beliefs is not None:
+        elif engine is not None:
             limit_engine(seconds)
-            parent.send(beliefs.plan(message))
+            parent.send(engine.plan(message))
 
 
 class _SameGroup(subprocess.Popen):  # type: ignore[type-arg]

@@ -1,4 +1,4 @@
-"""Edits of a task's text with which a search finds the operators of optimal plans.
+"""Edits of a task with which a search finds the operators of optimal plans.
 
 One more variable is a flag that only operators not seen yet set, and that the
 goal demands: a plan no costlier than the optimum has an operator not seen yet,
@@ -8,11 +8,9 @@ and where there is no such plan all operators of optimal plans have been seen.
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from mirror_explainer.planning.ground_task import Fact, GroundTask
+from mirror_explainer.planning.ground_task import Fact, GroundTask, Operator
 
 _FLAG = 'begin_variable\nflag\n-1\n2\nAtom flag()\nNegatedAtom flag()\nend_variable\n'
-_OPERATOR = 'begin_operator\n'
-_END = 'end_operator\n'
 
 # A flag that is up, and one that is not.
 UP, DOWN = 0, 1
@@ -33,15 +31,8 @@ def useful(task: GroundTask, goal: Sequence[Fact]) -> GroundTask:
     while helping := {i for i in left if not needed.isdisjoint(task.operators[i].effect)}:
         left -= helping
         needed.update(fact for index in helping for fact in task.operators[index].condition)
-    if not left:
-        return task
-    _, *blocks = task.tail.split(_OPERATOR)
-    last, axioms = blocks[-1].split(_END)
-    blocks[-1] = last + _END
-    kept = [index for index in range(len(blocks)) if index not in left]
-    tail = _OPERATOR.join([f'{len(kept)}\n', *(blocks[index] for index in kept)])
-    operators = tuple(task.operators[index] for index in kept)
-    return replace(task, operators=operators, tail=tail + axioms)
+    kept = (operator for i, operator in enumerate(task.operators) if i not in left)
+    return replace(task, operators=tuple(kept)) if left else task
 
 
 def flagged(task: GroundTask, variables: int, seen: Collection[str]) -> GroundTask:
@@ -50,12 +41,9 @@ def flagged(task: GroundTask, variables: int, seen: Collection[str]) -> GroundTa
     number, rest = rest.split('\n', 1)
     end = rest.rindex('end_variable\n') + len('end_variable\n')
     head = f'{count}\nend_metric\n{int(number) + 1}\n{rest[:end]}{_FLAG}{rest[end:]}'
-    first, *blocks = task.tail.split(_OPERATOR)
-    edited = [
-        block if operator.name in seen else _with_effect(block, f'0 {variables} -1 {UP}')
-        for operator, block in zip(task.operators, blocks, strict=True)
-    ]
-    return replace(task, head=head, tail=_OPERATOR.join([first, *edited]))
+    up = (variables, UP)
+    operators = (o if o.name in seen else _with_effect(o, up) for o in task.operators)
+    return replace(task, head=head, operators=tuple(operators))
 
 
 def with_positive_costs(task: GroundTask) -> GroundTask | None:
@@ -67,27 +55,21 @@ def with_positive_costs(task: GroundTask) -> GroundTask | None:
         return task
     if sum(operator.cost for operator in task.operators) * _COST_UNIT > _LARGEST_SUM:
         return None
-    operators = tuple(
-        replace(operator, cost=operator.cost * _COST_UNIT + 1) for operator in task.operators
-    )
-    first, *blocks = task.tail.split(_OPERATOR)
-    edited = [
-        _with_cost(block, operator.cost) for operator, block in zip(operators, blocks, strict=True)
-    ]
-    return replace(task, operators=operators, tail=_OPERATOR.join([first, *edited]))
+    operators = (_with_cost(o, o.cost * _COST_UNIT + 1) for o in task.operators)
+    return replace(task, operators=tuple(operators))
 
 
-def _with_effect(block: str, effect: str) -> str:
-    """Return an operator's text with one more effect."""
-    lines = block.split('\n')
-    place = 2 + int(lines[1])  # after the name and the conditions that nothing changes
+def _with_effect(operator: Operator, fact: Fact) -> Operator:
+    """Return the operator with one more effect, whatever held before."""
+    variable, value = fact
+    lines = operator.text.split('\n')
+    place = 3 + int(lines[2])  # after its name and the conditions that nothing changes
     lines[place] = str(int(lines[place]) + 1)
-    lines.insert(place + 1, effect)
-    return '\n'.join(lines)
+    lines.insert(place + 1, f'0 {variable} -1 {value}')
+    return replace(operator, effect=(*operator.effect, fact), text='\n'.join(lines))
 
 
-def _with_cost(block: str, cost: int) -> str:
-    """Return an operator's text with another cost."""
-    lines = block.split('\n')
-    lines[lines.index('end_operator') - 1] = str(cost)
-    return '\n'.join(lines)
+def _with_cost(operator: Operator, cost: int) -> Operator:
+    """Return the operator with another cost."""
+    *before, _, end, nothing = operator.text.split('\n')
+    return replace(operator, cost=cost, text='\n'.join([*before, str(cost), end, nothing]))

@@ -14,32 +14,37 @@ State = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Operator:
-    """A ground action, named "(move left center)": what it needs, what it makes true, its cost."""
+    """A ground action, named "(move left center)": what it needs, what it makes true, its cost.
+
+    `text` says the same as the search reads it.
+    """
 
     name: str
     condition: tuple[Fact, ...]
     effect: tuple[Fact, ...]
     cost: int
+    text: str
 
 
 @dataclass(frozen=True)
 class GroundTask:
     """All of a task but its initial state and goal.
 
-    `head` and `tail` are the task's text up to its initial state, and from its
-    operators on.
+    `head` and `axioms` are what the search reads before the initial state, and
+    after the operators.
     """
 
     operators: tuple[Operator, ...]
     head: str
-    tail: str
+    axioms: str
 
     def text(self, state: State, goal: Sequence[Fact]) -> bytes:
         """Return the input of the search from a state to a goal."""
         values = '\n'.join(map(str, state))
         pairs = '\n'.join(f'{variable} {value}' for variable, value in goal)
         middle = f'begin_state\n{values}\nend_state\nbegin_goal\n{len(goal)}\n{pairs}\nend_goal\n'
-        return f'{self.head}{middle}{self.tail}'.encode()
+        operators = ''.join([f'{len(self.operators)}\n', *(o.text for o in self.operators)])
+        return f'{self.head}{middle}{operators}{self.axioms}'.encode()
 
     @cached_property
     def _by_name(self) -> dict[str, list[Operator]]:

@@ -1,7 +1,7 @@
 """When a call of `Planner.plan` must end: its deadline, and requests to stop."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 from mirror_explainer.errors import Cancelled
@@ -21,8 +21,8 @@ class Stop(Protocol):
 class Limits:
     """The end of one call: a point in monotonic time, and what cancels it."""
 
-    end: float = float('inf')
-    events: tuple[Stop, ...] = field(default=())
+    end: float
+    events: tuple[Stop, ...]
 
     @property
     def expired(self) -> bool:

@@ -10,7 +10,8 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, 
 class Setup:
     """To an engine's worker: read this space. It answers None, or a Refusal.
 
-    A belief of the space, sent later, may take `planning_timeout` seconds.
+    A belief of the space, sent later, may take `planning_timeout` seconds, and the
+    worker, like each process it starts, `memory_limit` MiB.
     """
 
     engine: str
@@ -61,8 +62,9 @@ class Ask:
 
     It answers with an empty list once the beliefs are grounded, then with lists of
     (belief, attempt) pairs, and at last with Done; or with Unfitting. `workers`
-    searches run at a time, each for `planning_timeout` seconds at most, all for
-    `seconds`.
+    searches by the program `downward` run at a time, each for `planning_timeout`
+    seconds at most, all for `seconds`; the worker, like each search, may use
+    `memory_limit` MiB.
     """
 
     space: BeliefSpace
@@ -94,6 +96,11 @@ class Done:
 
 @dataclass(frozen=True)
 class Unfitting:
-    """From the worker of the fast way: it cannot take these texts, for this reason."""
+    """From the worker of the fast way: it cannot take these texts, for this reason.
+
+    `unexpected` says that this is not how the translator refuses a text: there is a
+    fault in this program, or the translator is not the one it was written for.
+    """
 
     reason: str
+    unexpected: bool = False

@@ -18,11 +18,12 @@ from mirror_explainer.planning.independent_parts import independent_parts
 
 Actions = tuple[str, ...]
 
-# A plan as one number: so many bits for the count of each action.
-_BITS = 10
-
 # A task with more states within the optimal cost than this is not enumerated.
 _MOST_STATES = 50_000
+
+# A plan as one number: so many bits for the count of each action. An optimal plan is in no
+# state twice, so that no count reaches the number of states.
+_BITS = _MOST_STATES.bit_length()
 
 # While plans are put together, so many times more are kept than will be returned.
 _SPARE = 20

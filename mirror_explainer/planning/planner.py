@@ -98,8 +98,8 @@ class Planner:
             limits.check()
             if self._known_space != (space, plans_per_belief):
                 self._known_space, self._known = (space, plans_per_belief), {}
-            missing = [belief for belief in dict.fromkeys(beliefs) if belief not in self._known]
-            results = _Results(self._known, len(set(beliefs)), progress)
+            results = _Results(self._known, beliefs, progress)
+            missing = [belief for belief in dict.fromkeys(beliefs) if not results.has(belief)]
             done = (
                 self._plan(space, missing, plans_per_belief, limits, results)
                 if missing
@@ -128,7 +128,8 @@ class Planner:
             answer = self._fast.plan(space, beliefs, plans_per_belief, limits, results.record)
             if isinstance(answer, Done):
                 return answer
-            _log.debug('not the fast way: %s', answer.reason)
+            level = logging.WARNING if answer.unexpected else logging.DEBUG
+            _log.log(level, 'not the fast way: %s', answer.reason)
         missing = [belief for belief in beliefs if not results.has(belief)]
         return self._pool.plan(space, missing, limits, results.record)
 
@@ -153,7 +154,7 @@ class Planner:
 
 
 class _Results:
-    """Results as they come in: those worth keeping go to `known`.
+    """Results for the beliefs asked about, as they come in: those worth keeping go to `known`.
 
     `failed` are the beliefs at which the engine failed.
     """
@@ -161,12 +162,13 @@ class _Results:
     def __init__(
         self,
         known: dict[Belief, BeliefPlans],
-        total: int,
+        asked: Sequence[Belief],
         progress: Callable[[int, int], None] | None,
     ) -> None:
         self._known = known
         self._unknown: dict[Belief, BeliefPlans] = {}
-        self._total = total
+        self._total = len(set(asked))
+        self._left = set(asked) - known.keys()
         self._progress = progress
         self.failed: set[Belief] = set()
         self.last_reason = ''
@@ -177,10 +179,11 @@ class _Results:
         self._unknown.pop(belief, None)
         kept = self._known if lasting else self._unknown
         kept[belief] = attempt.result
+        self._left.discard(belief)
         (self.failed.add if attempt.crashed else self.failed.discard)(belief)
         self.last_reason = attempt.result.reason
         if self._progress:
-            self._progress(len(self._known) + len(self._unknown), self._total)
+            self._progress(self._total - len(self._left), self._total)
 
     def has(self, belief: Belief) -> bool:
         """Say whether there is a result."""

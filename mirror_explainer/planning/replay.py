@@ -14,7 +14,7 @@ def reaches_goal(task: SASTask, actions: Sequence[str]) -> bool:
     """Say whether the actions, named "(move a b)", can be done in order and reach the goal."""
     operators: dict[str, list[SASOperator]] = {}
     for operator in task.operators:
-        operators.setdefault(f'({operator.name[1:-1].strip()})', []).append(operator)
+        operators.setdefault(canonical_name(operator), []).append(operator)
     values = list(task.init.values)
     _derive(task, values)
     for name in actions:
@@ -32,6 +32,11 @@ def reaches_goal(task: SASTask, actions: Sequence[str]) -> bool:
         else:
             return False
     return _hold(values, task.goal.pairs)
+
+
+def canonical_name(operator: SASOperator) -> str:
+    """Return the name of an operator without the space before a closing parenthesis."""
+    return f'({operator.name[1:-1].strip()})'
 
 
 def _derive(task: SASTask, values: list[int]) -> None:

@@ -9,13 +9,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
 from mirror_explainer.planning.downward import OPTIMAL_AXIOMS, QUICK, Outcome, Search
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
-from mirror_explainer.planning.subject import Finding, Subjects
+from mirror_explainer.planning.subject import Finding, Subject, Subjects
 
 # Before the deadline, this share of the time, and so many seconds at most, are for stand-ins.
 _RESERVE = 0.25
@@ -35,16 +34,16 @@ class _Job:
 
     `text` is the search's input, `left` the optimal configurations still to try.
     `proves` says whether a quick search that ends without a plan proves there is
-    none: not with axioms. `crashes` counts the searches that failed.
+    none: not with axioms. `crashed` says that a search failed that was no first try.
     """
 
     subjects: Subjects
-    subject: Any
+    subject: Subject
     reason: str = ''
     text: bytes = b''
     left: tuple[str, ...] = ()
     proves: bool = True
-    crashes: int = 0
+    crashed: bool = False
 
 
 class Searches:
@@ -192,7 +191,8 @@ class Searches:
         if outcome.status is Status.SOLVED:
             plan = job.subjects.checked(job.subject, outcome.actions)
             if plan is None:
-                outcome = Outcome(Status.UNKNOWN, (), 'downward gave a wrong plan', True)
+                reason = 'downward gave a wrong plan'
+                outcome = Outcome(Status.UNKNOWN, reason=reason, crashed=True)
         self._count(outcome)
         if outcome.status is Status.UNSOLVABLE and job.reason and not job.proves:
             outcome = Outcome(Status.UNKNOWN, reason='a quick search found no plan')
@@ -200,8 +200,8 @@ class Searches:
             self._settle(job, Finding(plan, optimal=not job.reason))
         elif outcome.crashed and self._has_next(job):
             self._next(job)
-        elif outcome.crashed and not job.crashes:
-            job.crashes += 1
+        elif outcome.crashed and not job.crashed:
+            job.crashed = True
             self._queue.appendleft(job)
         elif outcome.crashed or job.reason:
             self._give_up(job, unknown(outcome.reason, outcome.crashed))

@@ -131,13 +131,13 @@ class SupersetWalk:
         """Return the actions if they reach the goal, None otherwise."""
         return tuple(actions) if self._works(node, actions) else None
 
-    def cost(self, node: Node, plan: Sequence[str]) -> float:
+    def cost(self, plan: Sequence[str]) -> float:
         """Return a plan's cost, in the problem's metric."""
         return self.task.cost(plan) / self._scale
 
     def result(self, node: Node, finding: Finding, reason: str) -> BeliefPlans:
         """Return what the finding says of the node's beliefs."""
-        return finding.result(lambda plan: self.cost(node, plan), reason)
+        return finding.result(self.cost, reason)
 
     def settle(self, node: Node, finding: Finding | None) -> None:
         """Take in all that will be known of a node; nodes below it may become ready."""

@@ -7,8 +7,9 @@ away; so the translator sees actions that switch each uncertain fact, and an
 action for each goal, and they are taken out again afterwards.
 """
 
+import contextlib
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +25,7 @@ from fast_downward.translate import (
     variable_order,
 )
 from fast_downward.translate.pddl_parser import lisp_parser, parsing_functions
+from fast_downward.translate.pddl_parser.parse_error import ParseError
 
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
 from mirror_explainer.planning.ground_task import Fact, GroundTask, Operator
@@ -32,10 +34,12 @@ from mirror_explainer.planning.pddl_lists import (
     FACT_ACTION,
     GOAL_ACTION,
     Lists,
+    UnfitError,
     edited_domain,
     edited_problem,
     read_lists,
 )
+from mirror_explainer.planning.replay import canonical_name
 
 _INVARIANT_SECONDS = 30
 
@@ -51,8 +55,18 @@ class Translation:
     conditional: bool
 
 
+@contextlib.contextmanager
+def _refusals() -> Iterator[None]:
+    """Raise UnfitError for what the translator raises about texts that it does not take."""
+    try:
+        yield
+    except (ParseError, SystemExit, AssertionError) as error:
+        raise UnfitError(f'{type(error).__name__}: {error}') from error
+
+
+@_refusals()
 def parse(space: BeliefSpace) -> Lists:
-    """Return the space's texts as nested lists. Raises UnfitError, or the translator's errors."""
+    """Return the space's texts as nested lists. Raises UnfitError."""
     return read_lists(
         _nested(space.domain),
         _nested(space.problem),
@@ -66,8 +80,12 @@ def _nested(text: str) -> list[Any]:
     return words
 
 
+@_refusals()
 def ground(lists: Lists) -> Grounding | str:
-    """Return the grounding, or in a few words why each belief must be translated by itself."""
+    """Return the grounding, or in a few words why each belief must be translated by itself.
+
+    Raises UnfitError.
+    """
     full = [*lists.certain_facts, *lists.facts]
     task = _parsed(
         edited_domain(lists, range(len(lists.goals)), free_facts=True), edited_problem(lists, full)
@@ -81,15 +99,19 @@ def ground(lists: Lists) -> Grounding | str:
         return 'conditional effects'
     task.actions = [a for a in task.actions if not a.name.startswith(FACT_ACTION)]
     sas, groups = _encode(task, atoms, actions, parameters)
-    if _conditional([o for o in sas.operators if not _is_switch(_name(o))]):
+    if _conditional([o for o in sas.operators if not _is_switch(canonical_name(o))]):
         # Only variables of two values express every deletion without a condition.
         options.options.invariant_generation_max_candidates = 0
         sas, groups = _encode(task, atoms, actions, parameters)
     return _grounding(lists, sas, groups, actions)
 
 
+@_refusals()
 def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation:
-    """Translate one belief by itself; `facts` are the texts of the space's uncertain facts."""
+    """Translate one belief by itself; `facts` are the texts of the space's uncertain facts.
+
+    Raises UnfitError.
+    """
     named = zip(lists.facts, facts, strict=True)
     true = [fact for fact, text in named if text in belief.true_facts]
     task = _parsed(
@@ -97,12 +119,10 @@ def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation
         edited_problem(lists, [*lists.certain_facts, *true]),
     )
     sas = main.pddl_to_sas(task)
-    stream = io.StringIO()
-    sas.output(stream)
     return Translation(
         sas,
-        stream.getvalue().encode(),
-        {_name(operator): operator.cost for operator in sas.operators},
+        _output(sas).encode(),
+        {canonical_name(operator): operator.cost for operator in sas.operators},
         bool(sas.axioms),
         _conditional(sas.operators),
     )
@@ -162,13 +182,13 @@ def _grounding(
     negative = frozenset(
         str(literal.negate()) for a in actions for literal in a.precondition if literal.negated
     )
-    sas.operators = [o for o in sas.operators if not _is_switch(_name(o))]
+    sas.operators = [o for o in sas.operators if not _is_switch(canonical_name(o))]
     variables = tuple(tuple(names) for names in sas.variables.value_names)
     variable_order.find_and_apply_variable_order(sas)
     numbers = {names: number for number, names in enumerate(variables)}
     kept = tuple(numbers[tuple(names)] for names in sas.variables.value_names)
     goals, hard_goals = _goals(sas, len(lists.goals))
-    sas.operators = [o for o in sas.operators if not _is_goal(_name(o))]
+    sas.operators = [o for o in sas.operators if not _is_goal(canonical_name(o))]
     return Grounding(
         task=_ground_task(sas),
         goals=goals,
@@ -219,11 +239,6 @@ def _conditional(operators: Iterable[sas_tasks.SASOperator]) -> bool:
     return any(condition for o in operators for _, _, _, condition in o.pre_post)
 
 
-def _name(operator: sas_tasks.SASOperator) -> str:
-    """Return the canonical name of an operator: no space before the closing parenthesis."""
-    return f'({operator.name[1:-1].strip()})'
-
-
 def _goals(
     sas: sas_tasks.SASTask, count: int
 ) -> tuple[tuple[tuple[Fact, ...] | None, ...], frozenset[int]]:
@@ -231,8 +246,8 @@ def _goals(
     goals: list[tuple[Fact, ...] | None] = [None] * count
     hard_goals = set()
     for operator in sas.operators:
-        if _is_goal(_name(operator)):
-            index = int(_name(operator)[len(GOAL_ACTION) + 1 : -1])
+        if _is_goal(canonical_name(operator)):
+            index = int(canonical_name(operator)[len(GOAL_ACTION) + 1 : -1])
             if goals[index] is not None:
                 hard_goals.add(index)
             goals[index] = tuple(operator.get_applicability_conditions())
@@ -240,20 +255,26 @@ def _goals(
 
 
 def _ground_task(sas: sas_tasks.SASTask) -> GroundTask:
-    stream = io.StringIO()
-    sas.output(stream)
-    head, rest = stream.getvalue().split('\nbegin_state\n', 1)
-    tail = rest.split('\nend_goal\n', 1)[1]
+    head, _ = _output(sas).split('begin_state\n', 1)
     operators = tuple(
         Operator(
-            _name(operator),
+            canonical_name(operator),
             tuple(operator.get_applicability_conditions()),
             tuple(_unique((variable, post) for variable, _, post, _ in operator.pre_post)),
             operator.cost,
+            _output(operator),
         )
         for operator in sas.operators
     )
-    return GroundTask(operators, f'{head}\n', tail)
+    axioms = ''.join([f'{len(sas.axioms)}\n', *map(_output, sas.axioms)])
+    return GroundTask(operators, head, axioms)
+
+
+def _output(part: sas_tasks.SASTask | sas_tasks.SASOperator | sas_tasks.SASAxiom) -> str:
+    """Return a task, or a part of one, as the search reads it."""
+    stream = io.StringIO()
+    part.output(stream)
+    return stream.getvalue()
 
 
 def _unique(facts: Iterable[Fact]) -> Iterable[Fact]:

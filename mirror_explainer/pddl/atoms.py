@@ -1,0 +1,39 @@
+"""Ground atoms and actions as texts, and what conditions are made of."""
+
+from collections.abc import Iterable
+
+import unified_planning.model as up
+
+
+def atom_text(atom: up.FNode) -> str:
+    """Return a ground atom as PDDL text in lower case: "(item-at red_circle red_room)"."""
+    return ground_text(atom.fluent().name, [str(argument) for argument in atom.args])
+
+
+def ground_text(name: str, arguments: Iterable[str]) -> str:
+    """Return a ground atom or action as canonical text, "(name argument …)", lower case."""
+    return f'({" ".join([name, *arguments])})'.lower()
+
+
+def words_of(text: str) -> list[str]:
+    """Return the name and the arguments in a text as `ground_text` makes it."""
+    return text.strip('()').split()
+
+
+def conjuncts(goal: up.FNode) -> list[up.FNode]:
+    """Return the conditions that a goal or precondition asks for together, in order."""
+    if goal.is_and():
+        return [literal for part in goal.args for literal in conjuncts(part)]
+    return [] if goal.is_true() else [goal]
+
+
+def literals(goal: up.FNode) -> frozenset[up.FNode]:
+    """Return the conjuncts of a goal. Two goals are equal when these sets are equal."""
+    return frozenset(conjuncts(goal))
+
+
+def fluents_in(*expressions: up.FNode) -> set[up.Fluent]:
+    """Return the fluents in some expressions, under quantifiers, too."""
+    return {
+        atom.fluent() for e in expressions for atom in e.environment.free_vars_extractor.get(e)
+    }

@@ -1,0 +1,242 @@
+"""The processes that plan: they are ended and replaced, and fail, without a wrong answer."""
+
+import importlib.util
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from pddl_cases import TOOLS, TOOLS_DOMAIN, TOOLS_PROBLEM, TOOLS_SHARP
+from processes import HARD, Asking, child_sessions, processes_of, searches_of, wait_until
+
+from mirror_explainer.errors import Cancelled, InputError, PlanningError
+from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
+from mirror_explainer.planning.downward import find_downward
+
+
+@pytest.mark.parametrize(
+    ('engine', 'shortcuts'),
+    [('fast-downward-opt', True), ('fast-downward-opt', False), ('pyperplan-opt', False)],
+)
+def test_cancelling_ends_the_search_and_leaves_none_running(engine: str, shortcuts: bool) -> None:
+    before, cancelled = child_sessions(), threading.Event()
+    with Planner(engine, shortcuts=shortcuts, planning_timeout=60.0) as planner:
+        asking = Asking(planner, HARD, cancelled)
+        assert wait_until(lambda: any(searches_of(child_sessions() - before)) or 'py' in engine)
+        time.sleep(2.0 if 'py' in engine else 0.2)  # pyperplan searches within the worker
+        sessions = child_sessions() - before
+        cancelled.set()
+        asking.join(timeout=5.0)
+
+        assert isinstance(asking.error, Cancelled)
+        assert not searches_of(sessions)
+        assert 'py' not in engine or not sessions & child_sessions()
+        # The planner is still good for the next question.
+        assert planner.plan(HARD, [Belief(1)]).results[0].status is Status.SOLVED
+    assert child_sessions() == before
+
+
+def test_closing_from_another_thread_cancels_and_leaves_no_process_or_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
+    before = child_sessions()
+    planner = Planner('fast-downward-opt', planning_timeout=60.0)
+    asking = Asking(planner, HARD, threading.Event())
+    assert wait_until(lambda: searches_of(child_sessions() - before))
+    sessions = child_sessions() - before
+    planner.close()
+    asking.join(timeout=5.0)
+
+    assert isinstance(asking.error, Cancelled)
+    assert child_sessions() == before
+    assert not any(processes_of(session) for session in sessions)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_killed_worker_is_replaced(planner: Planner) -> None:
+    before = child_sessions()
+    planner.plan(TOOLS, [Belief(0)])
+    for session in child_sessions() - before:
+        os.kill(session, signal.SIGKILL)
+    report = planner.plan(TOOLS, [Belief(0, TOOLS_SHARP)])
+
+    assert report.results[0].plans[0].cost == 2 + 1
+
+
+def test_a_named_downward_program_is_used(tmp_path: Path) -> None:
+    asked = tmp_path / 'asked'
+    wrapper = tmp_path / 'downward'
+    wrapper.write_text(f'#!/bin/sh\n: > {asked}\nexec {find_downward("")} "$@"\n')
+    wrapper.chmod(0o755)
+    with Planner('fast-downward-opt', downward_binary=str(wrapper)) as planner:
+        report = planner.plan(TOOLS, [Belief(0)])
+
+    assert report.results[0].plans[0].cost == 8
+    assert asked.exists()
+
+
+def test_a_translator_that_has_changed_inside_is_told_and_done_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    translate = importlib.util.find_spec('fast_downward.translate')
+    assert translate is not None and translate.origin is not None
+    changed = tmp_path / 'fast_downward' / 'translate'
+    shutil.copytree(Path(translate.origin).parent, changed)
+    with (changed / 'options.py').open('a') as options:
+        options.write(OTHER_OPTIONS)
+    monkeypatch.syspath_prepend(tmp_path)
+    with Planner('fast-downward-opt', planning_timeout=60.0) as planner:
+        report = planner.plan(TOOLS, [Belief(0)])
+
+    assert report.results[0].plans[0].cost == 8
+    [record] = caplog.records
+    assert record.levelname == 'WARNING'
+    assert 'TypeError: no more options' in record.message
+
+
+# What fails for the program that sets the options itself, as ours does.
+OTHER_OPTIONS = """
+_set_options = set_options
+def set_options(arguments=None):
+    if arguments:
+        raise TypeError('no more options')
+    _set_options()
+"""
+
+
+def test_what_the_translator_refuses_in_its_own_way_is_no_warning(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    space = BeliefSpace(TOOLS_DOMAIN, '(define (problem', ('(polished)',))
+    with (
+        caplog.at_level('DEBUG', 'mirror_explainer'),
+        Planner('fast-downward-opt') as planner,
+        pytest.raises(InputError),
+    ):
+        planner.plan(space, [Belief(0)])
+
+    [record] = caplog.records
+    assert record.levelname == 'DEBUG'
+    assert 'ParseError' in record.message
+
+
+def test_a_missing_downward_program_is_told() -> None:
+    with pytest.raises(PlanningError, match='/no/such/downward'):
+        Planner('fast-downward-opt', downward_binary='/no/such/downward')
+
+
+def test_a_program_that_always_fails_is_told(tmp_path: Path) -> None:
+    wrapper = tmp_path / 'downward'
+    wrapper.write_text('#!/bin/sh\nexit 99\n')
+    wrapper.chmod(0o755)
+    with (
+        Planner('fast-downward-opt', downward_binary=str(wrapper)) as planner,
+        pytest.raises(PlanningError, match='code 99'),
+    ):
+        planner.plan(TOOLS, [Belief(0)])
+
+
+def test_the_workers_end_when_the_program_that_started_them_is_killed() -> None:
+    code = (
+        'import time; from mirror_explainer.planning import Planner; '
+        "planner = Planner('fast-downward-opt'); print('up', flush=True); time.sleep(60)"
+    )
+    root = str(Path(__file__).parent.parent)
+    with subprocess.Popen(
+        [sys.executable, '-c', code],
+        stdout=subprocess.PIPE,
+        env=os.environ | {'PYTHONPATH': root},
+    ) as program:
+        assert program.stdout is not None and program.stdout.readline() == b'up\n'
+        sessions = child_sessions(program.pid)
+        program.kill()
+
+    assert sessions
+    assert wait_until(lambda: not any(processes_of(session) for session in sessions))
+
+
+def test_newer_input_is_answered_right_after_older_work_is_cancelled(planner: Planner) -> None:
+    cancelled = threading.Event()
+    asking = Asking(planner, HARD, cancelled)
+    time.sleep(0.3)
+    cancelled.set()
+    report = planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)])
+    asking.join(timeout=5.0)
+
+    assert isinstance(asking.error, Cancelled)
+    assert [result.plans[0].cost for result in report.results] == [8, 3]
+
+
+def test_two_questions_at_once_are_both_answered_right(planner: Planner) -> None:
+    changed = replace(TOOLS, problem=TOOLS_PROBLEM.replace('(raw)', '(cut)'))
+    costs: dict[str, list[float]] = {'raw': [], 'cut': []}
+
+    def ask(name: str, space: BeliefSpace) -> None:
+        for _ in range(3):
+            report = planner.plan(space, [Belief(0)])
+            costs[name].append(report.results[0].plans[0].cost)
+
+    other = threading.Thread(target=ask, args=('cut', changed))
+    other.start()
+    ask('raw', TOOLS)
+    other.join(timeout=20.0)
+
+    assert costs == {'raw': [8, 8, 8], 'cut': [1, 1, 1]}
+
+
+def test_a_caller_that_fails_at_progress_leaves_the_planner_usable(planner: Planner) -> None:
+    def fail(done: int, total: int) -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)], progress=fail)
+    report = planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)])
+
+    assert [result.plans[0].cost for result in report.results] == [8, 3]
+
+
+def test_a_search_that_is_killed_is_searched_again() -> None:
+    before = child_sessions()
+    with Planner('fast-downward-opt', planning_timeout=2.0) as planner:
+        asking = Asking(planner, HARD, threading.Event())
+        assert wait_until(lambda: searches_of(child_sessions() - before))
+        time.sleep(0.3)  # beyond the first try
+        for search in searches_of(child_sessions() - before):
+            os.kill(search, signal.SIGKILL)
+        asking.join(timeout=20.0)
+        report = planner.plan(HARD, [Belief(0)])
+
+    assert asking.error is None
+    assert report.planner_calls == 0
+    assert 'within 2 s' in report.results[0].reason
+
+
+def test_a_worker_killed_in_the_middle_of_a_search_is_replaced() -> None:
+    before = child_sessions()
+    with Planner('fast-downward-opt', planning_timeout=1.0) as planner:
+        asking = Asking(planner, HARD, threading.Event())
+        assert wait_until(lambda: searches_of(child_sessions() - before))
+        for session in child_sessions() - before:
+            os.kill(session, signal.SIGKILL)
+        asking.join(timeout=20.0)
+        report = planner.plan(HARD, [Belief(0), Belief(1)])
+
+    assert asking.error is None
+    assert report.results[0].status is Status.SOLVED
+    assert report.results[1].plans[0].optimal
+    assert child_sessions() == before
+
+
+def test_a_full_or_missing_temporary_directory_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, 'tempdir', '/no/such/directory')
+
+    with pytest.raises(PlanningError, match='/no/such/directory'):
+        Planner('fast-downward-opt')
