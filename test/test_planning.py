@@ -245,6 +245,22 @@ def test_goals_of_every_shape_are_planned_for() -> None:
     assert [result.plans[0].cost for result in report.results] == [1, 1, 4, 0, 1]
 
 
+def test_a_goal_for_all_objects_takes_no_plans_from_the_others() -> None:
+    goals = ('(holding red_cube)', '(outside bottom_door)', '(forall (?i - item) (holding ?i))')
+    with Planner('fast-downward-opt') as planner:
+        found = [
+            planner.plan(
+                BeliefSpace(WAREHOUSE_DOMAIN, WAREHOUSE_PROBLEM, named, ()),
+                [Belief(goal) for goal in range(len(named))],
+                plans_per_belief=300,
+            )
+            for named in (goals[:2], goals)
+        ]
+
+    assert [report.way for report in found] == ['grounded once'] * 2
+    assert found[1].results[:2] == found[0].results
+
+
 def tour(domain: list[tuple[str, str]], problem: list[tuple[str, str]] | None = None):
     """Return a robot's domain and problem with some pieces replaced."""
     texts = [TOUR_DOMAIN, TOUR_PROBLEM]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import unified_planning.model as up
 
-from mirror_explainer.pddl import Task, atom_text, conjuncts
+from mirror_explainer.pddl import Task, atom_text, conjuncts, words_of
 
 
 @dataclass(frozen=True)
@@ -17,14 +17,9 @@ class GroundAction:
     deleted: frozenset[str]
 
 
-def ground_words(ground: str) -> list[str]:
-    """Return the name and arguments of an atom or action; the inverse of `pddl.ground_text`."""
-    return ground.strip('()').split()
-
-
 def ground_action(task: Task, action: str) -> GroundAction:
     """Return the atoms of a ground action such as "(move left center)"."""
-    name, *arguments = ground_words(action)
+    name, *arguments = words_of(action)
     model = task.model
     schema = model.action(name)
     objects = [model.object(argument) for argument in arguments]

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from mirror_explainer.experiments.ground_actions import ground_words
 from mirror_explainer.experiments.scenarios import ITEMS
 from mirror_explainer.experiments.study_plans import CHARGED, PlannedScenario
 from mirror_explainer.mirror_model import Array, MirrorModel
+from mirror_explainer.pddl import words_of
 
 # Each kind, with what sets it apart from the listener whom the robot has in mind.
 KINDS: Mapping[str, str] = {
@@ -99,12 +99,12 @@ def misheard(planned: PlannedScenario, random: Generator) -> tuple[str, ...]:
     by_action: dict[str, list[str]] = {}
     for action in _actions(planned):
         sentence = planned.sentences.of(action)
-        alike = by_action.setdefault(ground_words(action)[0], [])
+        alike = by_action.setdefault(words_of(action)[0], [])
         if sentence not in alike:
             alike.append(sentence)
     heard = []
     for action, sentence in zip(planned.plan.actions, planned.model.sentences, strict=True):
-        others = [other for other in by_action[ground_words(action)[0]] if other != sentence]
+        others = [other for other in by_action[words_of(action)[0]] if other != sentence]
         slips = random.random() < MISHEARD
         heard.append(str(random.choice(others)) if slips and others else sentence)
     return tuple(heard)
@@ -129,7 +129,7 @@ def _literal(planned: PlannedScenario, vocabulary: tuple[str, ...]) -> Theory:
     scenario = planned.scenario
     things = {*scenario.all_items, *scenario.floor.doors}
     named = {
-        planned.sentences.of(action): things & set(ground_words(action))
+        planned.sentences.of(action): things & set(words_of(action))
         for action in _actions(planned)
     }
     parts = [{*goal.items, goal.door} for goal in scenario.goals]

@@ -58,6 +58,7 @@ def input_error(error: Exception, text: str, source: str, hint: str) -> InputErr
         r'^(Not able to handle|Found invalid expression): ', 'unknown name in ', message
     )
     message = re.sub(r'^unknown name in ([\w-]+)$', r'unknown name "\1"', message)
+    message = re.sub(r'<\S+ object at 0x\w+>', 'one of its expressions', message)
     message = message.split(' Different elements')[0].rstrip('.!').removeprefix('In FluentExp, ')
     message = message.replace(
         'is not well-formed', 'does not fit its declaration: are its arguments of the right types?'

@@ -86,15 +86,18 @@ def ground(lists: Lists) -> Grounding | str:
 
     Raises UnfitError.
     """
-    full = [*lists.certain_facts, *lists.facts]
-    task = _parsed(
-        edited_domain(lists, range(len(lists.goals)), free_facts=True), edited_problem(lists, full)
-    )
-    if task.axioms:
+    problem = edited_problem(lists, [*lists.certain_facts, *lists.facts])
+    goals = [*range(len(lists.goals))]
+    task = _parsed(edited_domain(lists, goals, free_facts=True), problem)
+    if task.axioms:  # of goals that hold for all objects, perhaps: these go apart
+        goals = [goal for goal in goals if not _is_quantified(lists.goals[goal])]
+        task = _parsed(edited_domain(lists, goals, free_facts=True), problem)
+    if task.axioms or not goals:
         return 'derived predicates or universal conditions'
+    apart = frozenset(range(len(lists.goals))) - frozenset(goals)
     reachable, atoms, actions, _, _, parameters = instantiate.explore(task)
     if not reachable:
-        return _without_any_plan(lists)
+        return _without_any_plan(lists, apart)
     if any(condition for a in actions for condition, _ in [*a.add_effects, *a.del_effects]):
         return 'conditional effects'
     task.actions = [a for a in task.actions if not a.name.startswith(FACT_ACTION)]
@@ -103,7 +106,13 @@ def ground(lists: Lists) -> Grounding | str:
         # Only variables of two values express every deletion without a condition.
         options.options.invariant_generation_max_candidates = 0
         sas, groups = _encode(task, atoms, actions, parameters)
-    return _grounding(lists, sas, groups, actions)
+    return _grounding(lists, sas, groups, actions, apart)
+
+
+def _is_quantified(goal: Any) -> bool:
+    if isinstance(goal, list):
+        return any(map(_is_quantified, goal))
+    return goal in ('forall', 'exists')
 
 
 @_refusals()
@@ -172,12 +181,17 @@ def _encode(
 
 
 def _grounding(
-    lists: Lists, sas: sas_tasks.SASTask, mutex_groups: list[list[Any]], actions: list[Any]
+    lists: Lists,
+    sas: sas_tasks.SASTask,
+    mutex_groups: list[list[Any]],
+    actions: list[Any],
+    apart: frozenset[int],
 ) -> Grounding:
+    """Return the grounding of a task that lacks the goals `apart`."""
     try:
         simplify.filter_unreachable_propositions(sas)
     except simplify.Impossible:
-        return _without_any_plan(lists)
+        return _without_any_plan(lists, apart)
     mutexes = tuple(frozenset(map(str, group)) for group in mutex_groups if len(group) > 1)
     negative = frozenset(
         str(literal.negate()) for a in actions for literal in a.precondition if literal.negated
@@ -192,7 +206,7 @@ def _grounding(
     return Grounding(
         task=_ground_task(sas),
         goals=goals,
-        hard_goals=hard_goals,
+        hard_goals=hard_goals | apart,
         negative=negative,
         variables=variables,
         kept=kept,
@@ -203,11 +217,11 @@ def _grounding(
     )
 
 
-def _without_any_plan(lists: Lists) -> Grounding:
+def _without_any_plan(lists: Lists, apart: frozenset[int]) -> Grounding:
     return Grounding(
         task=GroundTask((), '', ''),
         goals=(None,) * len(lists.goals),
-        hard_goals=frozenset(),
+        hard_goals=apart,
         negative=frozenset(),
         variables=(),
         kept=(),

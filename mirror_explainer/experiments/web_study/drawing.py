@@ -7,8 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from mirror_explainer.experiments.ground_actions import ground_words
-from mirror_explainer.pddl import Task
+from mirror_explainer.pddl import Task, words_of
 
 WIDTH, HEIGHT = 720, 530
 
@@ -136,7 +135,7 @@ def drawing(task: Task) -> Drawing:
     """Return the picture of the task's initial state, without its goal."""
     facts: dict[str, list[list[str]]] = {}
     for fact in sorted(task.initial_facts):
-        predicate, *arguments = ground_words(fact)
+        predicate, *arguments = words_of(fact)
         facts.setdefault(predicate, []).append(arguments)
     lying = {item: room for item, room in facts.get('item-at', [])}
     names = [item.name for item in task.model.objects(task.model.user_type('place'))]
