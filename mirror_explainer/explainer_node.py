@@ -210,7 +210,7 @@ class ExplainerNode(Node):
         for level, line in news(before, state):
             _log.log(level, '%s', line)
         if state.preparation is not None:
-            self._answers.make(state.preparation, self._question())
+            self._answers.make(state.preparation, state.number, self._question())
         elif state.phase is Phase.WAITING:  # what was said was about a plan that is over
             self._answers.forget()
         self._publish_diagnostics(state)

@@ -1,11 +1,14 @@
 """Fast Downward called plainly on one belief after another: the referee of planning."""
 
+import contextlib
+import functools
+import io
+import multiprocessing
 import os
 import re
 import subprocess
-import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Status
@@ -28,22 +31,24 @@ def problem_of(space: BeliefSpace, belief: Belief) -> str:
     raise ValueError('the problem has no whole goal')
 
 
-def plain_cost(space: BeliefSpace, belief: Belief, search: str) -> float | None:
-    """Return the cost that Fast Downward itself finds for a belief, None if there is no plan."""
+def plain_cost(domain: str, problem: str, search: str) -> float | None:
+    """Return the cost that Fast Downward itself finds, None if there is no plan.
+
+    Its translator is called as its own program does, in a process of the pool below.
+    """
+    from fast_downward.translate import main
+    from fast_downward.translate.options import set_options
+
     downward = find_downward('')
     assert downward is not None
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / 'domain.pddl').write_text(space.domain)
-        (Path(folder) / 'problem.pddl').write_text(problem_of(space, belief))
-        translator = [sys.executable, '-m', 'fast_downward.translate']
-        translated = subprocess.run(
-            [*translator, 'domain.pddl', 'problem.pddl'],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-        )
-        assert translated.returncode == 0, translated.stdout + translated.stderr
-        with (Path(folder) / 'output.sas').open() as task:
+    with tempfile.TemporaryDirectory() as name, contextlib.redirect_stdout(io.StringIO()):
+        folder = Path(name)
+        domain_file, problem_file, task_file = (folder / part for part in ('d', 'p', 'sas'))
+        domain_file.write_text(domain)
+        problem_file.write_text(problem)
+        set_options([str(domain_file), str(problem_file), '--sas-file', str(task_file)])
+        main.main()
+        with task_file.open() as task:
             command = [downward, '--search', search]
             searched = subprocess.run(
                 command, cwd=folder, stdin=task, capture_output=True, text=True
@@ -51,13 +56,20 @@ def plain_cost(space: BeliefSpace, belief: Belief, search: str) -> float | None:
         assert searched.returncode in (0, 11), searched.stdout
         if searched.returncode == 11:
             return None
-        return float((Path(folder) / 'sas_plan').read_text().split('; cost = ')[1].split()[0])
+        return float((folder / 'sas_plan').read_text().split('; cost = ')[1].split()[0])
+
+
+@functools.cache
+def _pool() -> ProcessPoolExecutor:
+    """Processes, since the translator's options are global; kept, for they start slowly."""
+    return ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context('spawn'))
 
 
 def plain_costs(space: BeliefSpace, beliefs: list[Belief], search: str) -> list[float | None]:
     """Return the referee's costs of several beliefs."""
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
-        return list(threads.map(lambda belief: plain_cost(space, belief, search), beliefs))
+    problems = [problem_of(space, belief) for belief in beliefs]
+    domains, searches = [space.domain] * len(problems), [search] * len(problems)
+    return list(_pool().map(plain_cost, domains, problems, searches))
 
 
 def cost_of(result: BeliefPlans) -> float | None:

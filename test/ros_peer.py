@@ -15,6 +15,7 @@ import rclpy
 from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.srv import ListParameters
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -100,6 +101,11 @@ class Peer:
         if heard:
             eventually(publisher.get_subscription_count, f'a subscriber of {topic}')
         publisher.publish(text if isinstance(text, bytes) else String(data=text))
+
+    def wait_until_heard(self) -> None:
+        """Wait until all that was published has reached its subscribers."""
+        for publisher in self._publishers.values():
+            assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
 
     def publish_warehouse(self, comment: str = '', **how: bool) -> None:
         """Publish domain, problem and plan; with a new comment they are new ones."""

@@ -146,7 +146,7 @@ def test_a_robot_that_dies_is_seen_and_its_return_too(tmp_path):
     [
         (['--log-levle', 'x'], {}, 2, 'unrecognized arguments: --log-levle'),
         (['--help'], {}, 0, '--log-level'),
-        ([], {'n': 0}, 1, 'explainer_node: Invalid parameter value (0)'),
+        ([], {'n': 0}, 2, 'explainer_node: error: Invalid parameter value (0)'),
     ],
     ids=['unknown option', 'help', 'parameter out of range'],
 )

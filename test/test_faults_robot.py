@@ -152,6 +152,7 @@ def test_robots_that_publish_at_once_are_explained_by_the_newest_of_each_topic(
             heard.append(peer.call())
         for thread in threads:
             thread.join()
+        low_battery.wait_until_heard()  # what DDS sends again would come after the last two
         peer.publish('problem', PROBLEM)
         peer.publish('plan', PLAN)
         ended = time.monotonic()

@@ -6,7 +6,7 @@ import re
 import threading
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from random import Random
@@ -71,18 +71,22 @@ def planner() -> Iterator[Planner]:
 
 @dataclass(frozen=True)
 class Act:
-    """A ground action of the referee: each of `needs` is (true, false) facts that do."""
+    """A ground action of the referee: each of `needs` is (true, false) facts that do.
+
+    Sets of facts, and states, are numbers with a bit for each fact.
+    """
 
     text: str
-    needs: tuple[tuple[frozenset[str], frozenset[str]], ...]
-    adds: frozenset[str]
-    deletes: frozenset[str]
+    needs: tuple[tuple[int, int], ...]
+    adds: int
+    deletes: int
     cost: int
 
-    def after(self, state: frozenset[str]) -> frozenset[str] | None:
+    def after(self, state: int) -> int | None:
         """Return the next state, None if the action cannot be done."""
-        if any(true <= state and not false & state for true, false in self.needs):
-            return (state - self.deletes) | self.adds
+        for true, false in self.needs:
+            if state & true == true and not state & false:
+                return state & ~self.deletes | self.adds
         return None
 
 
@@ -138,7 +142,9 @@ class Referee:
         self._model = task.model
         self._initial = task.initial_facts
         self._objects = [item.name for item in self._model.all_objects]
+        self._bits: dict[str, int] = {}
         self.acts = list(self._acts())
+        self._known: dict[int, list[tuple[Act, int]]] = {}
 
     def _acts(self) -> Iterator[Act]:
         metrics = self._model.quality_metrics
@@ -164,28 +170,40 @@ class Referee:
                     ends[effect.value.is_true()].add(fact)
                 yield Act(
                     pddl.ground_text(action.name, chosen),
-                    needs,
-                    frozenset(ends[True]),
-                    frozenset(ends[False]),
+                    tuple((self._number(true), self._number(false)) for true, false in needs),
+                    self._number(ends[True]),
+                    self._number(ends[False]),
                     cost,
                 )
 
-    def state(self, belief: Belief) -> frozenset[str]:
-        return (self._initial - frozenset(self._space.uncertain_facts)) | belief.true_facts
+    def _number(self, facts: Iterable[str]) -> int:
+        return sum(self._bits.setdefault(fact, 1 << len(self._bits)) for fact in {*facts})
+
+    def state(self, belief: Belief) -> int:
+        certain = self._initial - frozenset(self._space.uncertain_facts)
+        return self._number(certain | belief.true_facts)
 
     def goal(self, belief: Belief) -> Act:
         """Return an action that can be done where the goal holds."""
         expression = pddl.goal_expression(self._model, self._space.goals[belief.goal])
         needs = clauses(expression, {}, self._objects)
-        return Act('goal', needs, frozenset(), frozenset(), 0)
+        numbers = tuple((self._number(true), self._number(false)) for true, false in needs)
+        return Act('goal', numbers, 0, 0, 0)
 
     def reaches(self, belief: Belief, plan: Sequence[str]) -> bool:
         """Say whether a plan can be carried out and ends in the goal."""
         named = {act.text: act for act in self.acts}
-        state: frozenset[str] | None = self.state(belief)
+        state: int | None = self.state(belief)
         for action in plan:
             state = named[action].after(state) if state is not None else None
         return state is not None and self.goal(belief).after(state) is not None
+
+    def following(self, state: int) -> list[tuple[Act, int]]:
+        """Return what can be done in a state, and the state after it: the same in all beliefs."""
+        if state not in self._known:
+            after = ((act, act.after(state)) for act in self.acts)
+            self._known[state] = [(act, there) for act, there in after if there is not None]
+        return self._known[state]
 
     def optimal(self, belief: Belief, free_too: bool) -> tuple[int, set[tuple[str, ...]]] | None:
         """Return the optimal cost and plans, each as its sorted actions; None for too many.
@@ -193,17 +211,15 @@ class Referee:
         With `free_too` the shortest of the cheapest, otherwise only those without
         free actions. The cost is -1 where there is no plan.
         """
-        acts = [act for act in self.acts if free_too or act.cost]
         unit = 1000 if free_too else 1
-        weight = {act.text: act.cost * unit + free_too for act in acts}
         goal = self.goal(belief)
         start = self.state(belief)
         least = {start: 0}
-        before: dict[frozenset[str], list[tuple[str, frozenset[str]]]] = defaultdict(list)
+        before: dict[int, list[tuple[str, int]]] = defaultdict(list)
         order = itertools.count()
         waiting = [(0, next(order), start)]
-        closed: set[frozenset[str]] = set()
-        ends: list[frozenset[str]] = []
+        closed: set[int] = set()
+        ends: list[int] = []
         best = math.inf
         while waiting and waiting[0][0] <= best:
             spent, _, here = heappop(waiting)
@@ -216,20 +232,19 @@ class Referee:
                 best = spent
                 ends.append(here)
                 continue
-            for act in acts:
-                there = act.after(here)
-                if there is None:
+            for act, there in self.following(here):
+                if not (free_too or act.cost):
                     continue
-                then = spent + weight[act.text]
+                then = spent + act.cost * unit + free_too
                 if then < least.get(there, math.inf):
                     least[there] = then
                     before[there] = []
                     heappush(waiting, (then, next(order), there))
                 if then == least[there]:
                     before[there].append((act.text, here))
-        plans: dict[frozenset[str], set[tuple[str, ...]]] = {start: {()}}
+        plans: dict[int, set[tuple[str, ...]]] = {start: {()}}
 
-        def ways(state: frozenset[str]) -> set[tuple[str, ...]]:
+        def ways(state: int) -> set[tuple[str, ...]]:
             if state not in plans:
                 plans[state] = {
                     tuple(sorted([*plan, text]))

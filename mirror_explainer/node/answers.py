@@ -24,23 +24,19 @@ class Answers:
         self._publish = publish
         self._published = 0
         self._lock = threading.Lock()
+        self._newest = 0
+        self._goal = ''
         self._said: list[str] = []
-        self._said_of = ''
         self._made_for: Preparation | None = None
         self._made: dict[object, tuple[Explanation, str, str]] = {}
 
-    def make(self, preparation: Preparation, question: dict[str, Any]) -> None:
+    def make(self, preparation: Preparation, number: int, question: dict[str, Any]) -> None:
         """Make the answer to a question (arguments of `explain`), so that a call finds it made.
 
-        What was said of other plans is forgotten: steps that are done, and all if the robot
-        has another goal now.
+        `number` grows with each update.
         """
-        model = preparation.model
-        goal = model.goals[model.hypotheses[model.robot].goal].goal
         with self._lock:
-            same = goal == self._said_of
-            self._said_of = goal
-            self._said = [s for s in self._said if same and s in model.sentences]
+            self._turn_to(preparation, number)
             self._get(preparation, question, ())
 
     def give(
@@ -48,10 +44,11 @@ class Answers:
     ) -> str:
         """Publish the answer to a question, and return its text.
 
-        `number` grows with each update. With `remember` the answer is conditioned on what
-        was said, and counts as said. Sentences that are not in the plan are no part of it.
+        With `remember` it is conditioned on what was said, and counts as said. Sentences
+        that are not in the plan are no part of it.
         """
         with self._lock:
+            self._turn_to(preparation, number)
             said = [s for s in self._said if remember and s in preparation.model.sentences]
             explanation, text, report = self._get(preparation, question, tuple(said))
             if remember:
@@ -68,6 +65,16 @@ class Answers:
             count = len(self._said)
             self._said.clear()
             return count
+
+    def _turn_to(self, preparation: Preparation, number: int) -> None:
+        """Forget what was said of older plans: steps that are done; all, of another goal."""
+        if number > self._newest:
+            self._newest = number
+            model = preparation.model
+            goal = model.goals[model.hypotheses[model.robot].goal].goal
+            kept = self._said if goal == self._goal else []
+            self._said = [sentence for sentence in kept if sentence in model.sentences]
+            self._goal = goal
 
     def _get(
         self, preparation: Preparation, question: dict[str, Any], said: tuple[str, ...]
