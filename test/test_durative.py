@@ -495,7 +495,7 @@ def test_a_compiled_action_does_what_the_durative_one_does_when_alone() -> None:
 def test_whatever_is_cut_out_of_the_texts_only_input_errors_of_one_line_escape() -> None:
     random = Random(3)
     pieces = ['', '(', ')', '?duration', '(at start', '(at 5 (start at))', '#t', '(either robot)']
-    for _ in range(60):
+    for _ in range(30):
         texts = [DOMAIN, PROBLEM]
         which = random.randint(0, 1)
         place, length = random.randrange(len(texts[which])), random.choice([1, 5, 40])

@@ -21,9 +21,9 @@ def serve(database, port='0', *options):
 
 @pytest.fixture(scope='module')
 def database(chromium, tmp_path_factory):
-    """A study of six scenarios, in which nobody has taken part."""
+    """A study of three scenarios, in which nobody has taken part."""
     file = tmp_path_factory.mktemp('browser') / 'study.sqlite3'
-    with serve(file, '0', '--scenarios', '6'):
+    with serve(file, '0', '--scenarios', '3'):
         pass
     return file
 
@@ -95,7 +95,7 @@ def go_on(page, given, random):
         press(page, 'Enter')
 
 
-@pytest.mark.timeout(900)  # some 60 pages and the planning before them, on a busy machine
+@pytest.mark.timeout(900)  # some 40 pages and the planning before them, on a busy machine
 def test_a_whole_study_by_keyboard_through_reloads_and_a_killed_server(
     chromium, database, tmp_path
 ):
@@ -125,7 +125,7 @@ def test_a_whole_study_by_keyboard_through_reloads_and_a_killed_server(
                 assert overflow(page) <= 0
             cells = page.locator('tbody td').all_inner_texts()
 
-    assert len({scenario for scenario, _ in given}) == 7  # and the practice
+    assert len({scenario for scenario, _ in given}) == 4  # and the practice
     answers = exported(file, tmp_path)
     assert {
         (row['scenario'], row['step']): row['answer'] for row in answers.to_dict('records')
