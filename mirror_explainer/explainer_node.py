@@ -130,9 +130,8 @@ class ExplainerNode(Node):
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
         # Not the node's clock, which stands still when the system's is set back.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        # Groups of their own, for a file system may be slow to answer.
-        self.create_timer(1.0, self._look_at_files, MutuallyExclusiveCallbackGroup(), steady)
-        self.create_timer(1.0, self._each_second, MutuallyExclusiveCallbackGroup(), steady)
+        # Reentrant, for a file system that hangs must not silence the diagnostics.
+        self.create_timer(1.0, self._each_second, at_once, steady)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._submit()
 
@@ -189,18 +188,15 @@ class ExplainerNode(Node):
         self._submit()
 
     @_guarded
-    def _look_at_files(self) -> None:
-        self._updates.look_at_files()
-
-    @_guarded
     def _each_second(self) -> None:
-        """Tell how things are, and that a caller may hear another node."""
+        """Tell how things are, and that a caller may hear another node; notice edited files."""
         rivals = max(0, self.count_services(self._service) - 1)
         if rivals and not self._rivals:
             _log.warning('%s', with_cure(*rivalry(rivals)))
         self._rivals = rivals
         self._publish_diagnostics(self._updates.state)
         self._ros_log.log_repetitions()
+        self._updates.look_at_files(timeout=0.0)  # unless the last look still goes on
 
     @_guarded
     def _on_state(self, state: State) -> None:

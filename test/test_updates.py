@@ -16,7 +16,8 @@ from mirror_explainer.text_files import TextFiles
 
 PATIENCE = 60.0  # s: only a hang runs into it
 READY = State(Phase.READY, 'ready', preparation='an answer')
-BAD = State(Phase.ERROR, 'bad plan')
+BAD = State(Phase.ERROR, 'bad plan', blamed='/plan')
+NO_MODEL = State(Phase.ERROR, 'no such file', blamed='user_model.yaml')
 BROKEN = State(Phase.ERROR, 'the planner is broken', may_pass=True)
 
 
@@ -53,19 +54,23 @@ class Robot:
         self._ended = threading.Event()
         self._stream: threading.Thread | None = None
 
-    def submit(self, plan: str) -> None:
-        self.updates.submit(Inputs(plan=Text(plan, '/plan')), patience=5.0)
+    def submit(self, plan: str, problem: str = 'a problem') -> None:
+        inputs = Inputs(plan=Text(plan, '/plan'), problem=Text(problem, '/problem'))
+        self.updates.submit(inputs, patience=5.0)
 
-    def stream(self, period: float) -> None:
-        """Submit new plans from now on, so many seconds after each other."""
+    def stream(self, period: float, plans: str = 'a plan') -> None:
+        """Submit new problems from now on, so many seconds after each other.
+
+        A {} in the plan makes it a new one each time.
+        """
 
         def submit_all() -> None:
             number = 0
             while not self._ended.wait(period):
                 number += 1
-                self.submit(f'plan {number}')
+                self.submit(plans.format(number), f'problem {number}')
 
-        self.submit('the first plan')
+        self.submit(plans, 'the first problem')
         self._stream = threading.Thread(target=submit_all)
         self._stream.start()
 
@@ -97,17 +102,39 @@ def until_stopped(inputs: Inputs, stop: StopRequest) -> State:
         time.sleep(0.001)
 
 
-@pytest.mark.parametrize('outcome', [READY, BAD, State(Phase.WAITING, 'no plan')])
+@pytest.mark.parametrize(
+    ('outcome', 'plans'),
+    [
+        (READY, 'plan {}'),
+        (BAD, 'the same plan'),
+        (NO_MODEL, 'plan {}'),
+        (State(Phase.WAITING, 'no plan'), ''),
+    ],
+)
 @pytest.mark.parametrize('period', [0.01, 0.05])
-def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(played, outcome, period):
+def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(
+    played, outcome, plans, period
+):
     # Every work is overtaken by newer inputs while it goes on.
     robot = played(lambda inputs, stop: time.sleep(0.2) or outcome)
-    robot.stream(period)
+    robot.stream(period, plans)
 
     heard = robot.updates.wait(PATIENCE)
 
     assert heard.message == outcome.message
     assert [state.message for state in robot.told][:1] in ([], [outcome.message])
+
+
+def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_rest(played):
+    # Each problem and plan may be halves of two updates.
+    robot = played(lambda inputs, stop: time.sleep(0.4) or BAD)
+    robot.stream(0.01, 'plan {}')
+
+    while len(robot.maker.made) < 5:
+        heard = robot.updates.wait(0.1)
+        assert heard.phase is Phase.WORKING
+
+    assert robot.told == []
 
 
 def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):

@@ -81,7 +81,8 @@ class Maker:
         except NoPlanError as error:
             return State(Phase.WAITING, str(error), cure=error.cure)
         except InputError as error:
-            return State(Phase.ERROR, str(error), cure=error.cure or _CORRECT)
+            cure = error.cure or _CORRECT
+            return State(Phase.ERROR, str(error), cure=cure, blamed=error.source)
         except Cancelled:
             raise
         except PlanningError as error:

@@ -69,8 +69,9 @@ class State:
     """Where things stand: `message` says it in words, `preparation` is there when READY.
 
     `inputs` are those that it is about, the `number`-th that were submitted; `cure` says
-    what a person can do about it. `since` is when it came to be so. `may_pass` says that
-    the inputs are not to blame, so that another attempt may go better.
+    what a person can do about it. `since` is when it came to be so. `blamed` is the file or
+    topic of a wrong input; `may_pass` says that the inputs are not to blame, so that another
+    attempt may go better.
     """
 
     phase: Phase
@@ -79,5 +80,11 @@ class State:
     inputs: Inputs = field(default_factory=Inputs)
     cure: str = ''
     since: Moment = field(default_factory=Moment)
+    blamed: str = ''
     may_pass: bool = False
     number: int = 0
+
+    @property
+    def blames_plan(self) -> bool:
+        """Whether the plan is wrong, by itself or for the problem that came with it."""
+        return self.inputs.plan is not None and self.blamed == self.inputs.plan.source

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from mirror_explainer.errors import Cancelled
 from mirror_explainer.node.maker import Maker
 from mirror_explainer.node.retries import Retries
-from mirror_explainer.node.state import Inputs, Phase, State
+from mirror_explainer.node.state import Inputs, Phase, State, Text
 from mirror_explainer.node.stop_request import StopRequest
 
 # A robot publishes its problem and its plan one after the other: judge them together.
@@ -27,9 +27,10 @@ LONGEST_FILE_SETTLING_SECONDS = 5.0
 # work came to nothing, the next gets so long to finish in spite of newer inputs, then twice that.
 SECONDS_TO_FINISH = 1.0
 # Of works that newer inputs overtook, the second in a row is told if it brought an answer, the
-# third if it did not: a single error may be of inputs half changed.
+# third if it did not. A plan that does not fit may be newer, or older, than the problem that came
+# with it: it must have been the same plan three times.
 OVERTAKEN_ANSWERS = 2
-OVERTAKEN_ERRORS = 3
+OVERTAKEN_OTHERS = 3
 
 _log = logging.getLogger(__name__)
 
@@ -63,6 +64,8 @@ class Updates:
         self._finished = self._state
         self._pending = False
         self._overtaken = 0
+        self._same_plan = 0
+        self._overtaken_plan: Text | None = None
         self._retrying = False
         self._retries = Retries()
         self._settled_at = 0.0
@@ -229,15 +232,17 @@ class Updates:
             is_news = True
             if self._pending:
                 self._overtaken += 1
-                answer = state.preparation is not None
-                enough = OVERTAKEN_ANSWERS if answer else OVERTAKEN_ERRORS
+                self._same_plan = 1 + self._same_plan * (inputs.plan == self._overtaken_plan)
+                self._overtaken_plan = inputs.plan
+                count = self._same_plan if state.blames_plan else self._overtaken
+                enough = OVERTAKEN_OTHERS if state.preparation is None else OVERTAKEN_ANSWERS
                 same_files = self._newest.files_revision == inputs.files_revision
-                if self._overtaken < enough or not same_files:
+                if count < enough or not same_files:
                     return False
             else:
                 is_news = not _is_the_same(state, self._state)
                 self._state = state = state if is_news else self._state
-            self._overtaken = 0
+            self._overtaken = self._same_plan = 0
             self._finished = state
             self._retries = self._retries.after_failure(took) if state.may_pass else Retries()
             self._retrying = False
