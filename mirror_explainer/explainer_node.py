@@ -130,8 +130,8 @@ class ExplainerNode(Node):
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
         # Not the node's clock, which stands still when the system's is set back.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        # Reentrant, for a file system that hangs must not silence the diagnostics.
-        self.create_timer(1.0, self._each_second, at_once, steady)
+        # A group of its own: where a file system hangs, one thread hangs with it.
+        self.create_timer(1.0, self._each_second, MutuallyExclusiveCallbackGroup(), steady)
         self.add_post_set_parameters_callback(self._on_parameters)
         self._submit()
 
@@ -141,7 +141,7 @@ class ExplainerNode(Node):
         _log.removeHandler(self._ros_log)
 
     def destroy_node(self) -> None:
-        """Stop all work, too."""
+        """Stop all work, if `close` has not, and destroy the node."""
         self.close()
         super().destroy_node()
 
@@ -196,7 +196,7 @@ class ExplainerNode(Node):
         self._rivals = rivals
         self._publish_diagnostics(self._updates.state)
         self._ros_log.log_repetitions()
-        self._updates.look_at_files(timeout=0.0)  # unless the last look still goes on
+        self._updates.look_at_files()
 
     @_guarded
     def _on_state(self, state: State) -> None:
