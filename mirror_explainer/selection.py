@@ -160,7 +160,7 @@ def _greedy(columns: Columns, n: int) -> list[tuple[int, float]]:
     for _ in range(n):
         reference = float(log_sum(log_weight))
         with np.errstate(divide='ignore'):
-            gain = -(reference + np.log(np.exp(log_weight - reference) @ ratio))
+            gain = 0.0 - (reference + np.log(np.exp(log_weight - reference) @ ratio))
         left = used < columns.copies
         tied = left & (gain >= gain[left].max() - TIE)
         tied &= columns.single_gain >= columns.single_gain[tied].max() - TIE

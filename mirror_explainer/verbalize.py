@@ -98,12 +98,11 @@ def _summary(explanation: Explanation) -> str:
     """Return one line on how well the listener now understands, and on what is amiss."""
     model, said, selection = explanation.preparation.model, explanation.said, explanation.selection
     after = model.understanding([*said, *selection.positions])
-    gain = selection.information_gain + 0.0  # no -0.0
     goal = model.goals[model.hypotheses[model.robot].goal].name
     summary = (
         f'The listener now finds the robot\'s goal "{goal}" {after:.0%} likely '
         f'({model.understanding(said):.0%} before); '
-        f'{gain:.2f} of {model.cross_entropy(said):.2f} nats told.'
+        f'{selection.information_gain:.2f} of {model.cross_entropy(said):.2f} nats told.'
     )
     if not selection.optimal:
         summary += f' The best choice may tell up to {selection.gap:.2g} nats more.'

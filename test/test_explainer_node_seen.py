@@ -10,8 +10,10 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import LoggerLevel
 from rcl_interfaces.srv import SetLoggerLevels
 from ros_peer import (
+    DOMAIN,
     PATIENCE,
     PLAN,
+    PROBLEM,
     Call,
     Peer,
     Process,
@@ -139,6 +141,17 @@ def test_a_robot_that_dies_is_seen_and_its_return_too(tmp_path):
     assert gone['message'] == 'ready, but nobody publishes problem and plan any more'
     assert gone['level'] == DiagnosticStatus.WARN
     assert answer.success
+
+
+def test_the_publishers_of_remapped_inputs_are_seen(tmp_path):
+    peer = Peer(new_namespace())
+    remapped = ['--ros-args', '-r', 'problem:=my/problem', '-r', 'plan:=my/plan', '--']
+    with explainer(peer, tmp_path, options=remapped):
+        for topic, text in {'domain': DOMAIN, 'my/problem': PROBLEM, 'my/plan': PLAN}.items():
+            peer.publish(topic, text)
+        peer.answer()
+        eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'ready, and no more')
+    peer.close()
 
 
 @pytest.mark.parametrize(
