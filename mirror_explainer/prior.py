@@ -4,6 +4,7 @@ Section 4 of the paper: a categorical distribution over goals, and a Bernoulli
 variable for each uncertain fact; here also groups of which exactly one fact holds.
 """
 
+import difflib
 import heapq
 import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
@@ -62,6 +63,7 @@ def belief_prior(task: Task, user_model: UserModel, max_beliefs: int = 1024) -> 
     At most `max_beliefs` are taken, and b_R always is one of them.
     """
     goals, robot_goal, warnings = _distinct_goals(task, user_model)
+    warnings += _misspelt_objects(task, user_model)
     factors = [
         _Factor(
             {index: goal.probability for index, goal in enumerate(goals)},
@@ -138,6 +140,22 @@ def _distinct_goals(
         )
     keys = sorted(distinct, key=lambda key: not distinct[key].probability and key != robot_goal)
     return tuple(distinct[key] for key in keys), keys.index(robot_goal), warnings
+
+
+def _misspelt_objects(task: Task, user_model: UserModel) -> Iterator[str]:
+    """Warn of objects that the problem does not have, but for a letter or two.
+
+    Others may come and go: the user model is for all problems of the robot.
+    """
+    wordings = [by for template in user_model.templates.values() for by in template.when.values()]
+    named = {*user_model.objects, *(name for by in wordings for name in by)}
+    objects = {item.name.lower() for item in task.model.all_objects}
+    for name in sorted(named - objects):
+        for close in difflib.get_close_matches(name, sorted(objects - named), n=1, cutoff=0.8):
+            yield (
+                f'the user model names the object "{name}", which the problem does not have '
+                f'(did you mean "{close}"?)'
+            )
 
 
 def _fact_factors(user_model: UserModel, initial_facts: frozenset[str]) -> Iterator[_Factor]:

@@ -1,5 +1,6 @@
 """The form of a user model's YAML file: its keys and types, and the place of what is wrong."""
 
+import difflib
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -168,7 +169,10 @@ def text_faults(root: yaml.Node) -> Iterator[Fault]:
 def schema_reason(detail: Mapping[str, Any]) -> str:
     """Return a validation error in plain words."""
     if detail['type'] == 'extra_forbidden':
-        return 'unknown key'
+        key = detail['loc'][-1]
+        known = UserModelFile.model_fields if len(detail['loc']) == 1 else ()
+        close = difflib.get_close_matches(str(key), known, n=1)
+        return f'unknown key (did you mean "{close[0]}"?)' if close else 'unknown key'
     if detail['type'] == 'missing':
         return 'this key is missing'
     if detail['type'] == 'float_type' and isinstance(detail['input'], str):

@@ -279,6 +279,25 @@ def test_a_robot_that_the_user_rules_out_gets_a_millionth_and_a_warning(
     assert prior.warnings == (f'the user model rules out what is true of the robot: {said}',)
 
 
+def test_an_object_that_is_misspelt_is_warned_of_and_one_that_is_merely_not_there_is_not(
+    read_model, task: Task
+) -> None:
+    goal = (
+        'goals: [{goal: (and (holding blue_cube) (holding red_circle) (outside bottom_door))}]\n'
+    )
+    names = 'objects: {red_circel: a circle, red_cube: a cube, yellow_ball: a ball}\n'
+    when = 'sentences: {move: {template: "On.", when: {b: {red_rom: "In."}}}}\n'
+
+    prior = belief_prior(task, read_model(goal + names + when))
+
+    assert prior.warnings == (
+        'the user model names the object "red_circel", which the problem does not have '
+        '(did you mean "red_circle"?)',
+        'the user model names the object "red_rom", which the problem does not have '
+        '(did you mean "red_room"?)',
+    )
+
+
 def test_an_unlisted_goal_of_probability_zero_still_leaves_the_robot_possible() -> None:
     user_model = UserModel(candidates(('(g1)', 1)), unlisted_goal_probability=0.0)
 

@@ -170,6 +170,11 @@ FAULTS = {
         'hyps_file: {folder}/no.dat: the file cannot be read: No such file or directory',
     ),
     'an unknown key': (GOAL + 'goal: x', 2, 'goal: unknown key'),
+    'a misspelt key': (
+        GOAL + 'rationalty: 1.0',
+        2,
+        'rationalty: unknown key (did you mean "rationality"?)',
+    ),
     'a key twice': (
         GOAL + 'rationality: 1.0\nrationality: 2.0',
         3,
