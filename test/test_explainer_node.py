@@ -42,6 +42,37 @@ def peer() -> Iterator[Peer]:
     peer.close()
 
 
+@pytest.fixture(scope='module')
+def long_running(ros: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[object]:
+    """A peer, and a node that explains the warehouse to it, for all tests that can share them."""
+    peer = Peer(new_namespace())
+    with explainer(peer, tmp_path_factory.mktemp('node')) as node:
+        peer.publish_warehouse()
+        peer.answer()
+        yield peer, node
+    peer.close()
+
+
+@pytest.fixture
+def served(long_running) -> Iterator[Peer]:
+    """The peer of the node that is shared, which is as it was before when a test has ended."""
+    peer, _ = long_running
+    yield peer
+    peer.set_parameters(user_model_file=USER_MODEL, n=3, threshold=0.0, remember=False)
+    peer.set_parameters(strategy='informative')
+    peer.publish_warehouse()
+    assert peer.answer() == THREE_SENTENCES
+
+
+def latched(peer: Peer, topic: str) -> str:
+    """Return what somebody hears who comes late."""
+    late = Peer(peer.node.get_namespace())
+    texts = late.hear(topic)
+    eventually(lambda: texts, 'the latched message')
+    late.close()
+    return texts[-1]
+
+
 def test_a_robot_that_latched_its_plan_before_the_node_started_is_explained(peer, tmp_path):
     peer.publish_warehouse(latched=True, heard=False)
     with explainer(peer, tmp_path):
@@ -78,37 +109,30 @@ def test_the_domain_may_come_from_a_file_and_a_message_replaces_it(peer, tmp_pat
     assert reason
 
 
-def test_the_answer_is_published_for_speech_and_dashboards_and_stays_latched(peer, tmp_path):
-    with explainer(peer, tmp_path):
-        peer.publish_warehouse()
-        answer = peer.answer()
-        spoken = peer.hear('mirror_explainer/verbalization')
-        reported = peer.hear('mirror_explainer/explanation')
-        eventually(lambda: spoken and reported, 'the latched answer')
-    explanation = json.loads(reported[-1])
-    assert spoken[-1] == answer
+def test_the_answer_is_published_for_speech_and_dashboards_and_stays_latched(served):
+    answer = served.answer()
+
+    explanation = json.loads(latched(served, 'mirror_explainer/explanation'))
+
+    assert latched(served, 'mirror_explainer/verbalization') == answer
     assert explanation['sentences'] == answer.split('\n')
     assert 'hypotheses' not in explanation
 
 
-def test_whoever_reads_an_explanation_can_tell_that_the_inputs_have_changed(peer, tmp_path):
+def test_whoever_reads_an_explanation_can_tell_that_the_inputs_have_changed(served):
     def inputs() -> str:
-        return last_diagnostic(peer)['inputs'] if peer.diagnostics else ''
+        return last_diagnostic(served)['inputs'] if served.diagnostics else ''
 
-    with explainer(peer, tmp_path):
-        peer.publish_warehouse()
-        peer.answer()
-        reported = peer.hear('mirror_explainer/explanation')
-        eventually(lambda: reported, 'the latched answer')
-        explained = json.loads(reported[-1])['inputs']
-        eventually(lambda: inputs() == explained, 'the inputs of the answer')
-        peer.publish('plan', '(fly away)')
-        eventually(lambda: inputs() != explained, 'other inputs')
-        peer.publish('plan', PLAN)
-        eventually(lambda: inputs() == explained, 'the same inputs again')
+    served.answer()
+    explained = json.loads(latched(served, 'mirror_explainer/explanation'))['inputs']
+    eventually(lambda: inputs() == explained, 'the inputs of the answer')
+    served.publish('plan', '(fly away)')
+    eventually(lambda: inputs() != explained, 'other inputs')
+    served.publish('plan', PLAN)
+    eventually(lambda: inputs() == explained, 'the same inputs again')
 
 
-def test_the_answer_over_ros_is_the_answer_of_verbalize(peer, tmp_path):
+def test_the_answer_over_ros_is_the_answer_of_verbalize(served):
     command = [sys.executable, '-m', 'mirror_explainer.verbalize', '--json']
     for name, file in (
         ('domain', 'domain.pddl'),
@@ -120,43 +144,36 @@ def test_the_answer_over_ros_is_the_answer_of_verbalize(peer, tmp_path):
     offline = json.loads(
         subprocess.run([*command, '--user-model', visitor], check=True, capture_output=True).stdout
     )
-    with explainer(peer, tmp_path, user_model_file=visitor):
-        peer.publish_warehouse()
-        peer.answer()
-        reported = peer.hear('mirror_explainer/explanation')
-        eventually(lambda: reported, 'the latched answer')
-    online = json.loads(reported[-1])
+    served.set_parameters(user_model_file=visitor)
+    served.answer()
+    online = json.loads(latched(served, 'mirror_explainer/explanation'))
     for key in ('seconds', 'planner_calls', 'hypotheses', 'inputs'):
         offline.pop(key, None)
         online.pop(key, None)
     assert online == offline
 
 
-def test_two_clients_at_once_both_get_the_answer(peer, tmp_path):
-    with explainer(peer, tmp_path):
-        peer.publish_warehouse()
-        peer.answer()
-        other = Peer(peer.node.get_namespace())
-        calls = [client.start_call() for client in (peer, other, peer, other)]
-        responses = [call.result() for call in calls]
-        other.close()
+def test_two_clients_at_once_both_get_the_answer(served):
+    other = Peer(served.node.get_namespace())
+    calls = [client.start_call() for client in (served, other, served, other)]
+    responses = [call.result() for call in calls]
+    other.close()
     assert [response.message for response in responses] == [THREE_SENTENCES] * 4
 
 
-def test_parameters_act_at_once(peer, tmp_path):
-    with explainer(peer, tmp_path):
-        peer.publish_warehouse()
-        peer.answer()
-        peer.set_parameters(n=1)
-        one = peer.call().message
-        peer.set_parameters(n=2, strategy='decreasing')
-        last_two = peer.call().message
-        peer.set_parameters(n=10, strategy='informative', threshold=1.1)
-        sufficient = peer.call().message
-        peer.set_parameters(user_model_file=str(tmp_path / 'nowhere.yaml'))
-        without_model = peer.call()
-        peer.set_parameters(user_model_file=USER_MODEL, threshold=0.0, n=3)
-        again = peer.call()
+def test_parameters_act_at_once(served, tmp_path):
+    served.publish_warehouse()
+    served.answer()
+    served.set_parameters(n=1)
+    one = served.call().message
+    served.set_parameters(n=2, strategy='decreasing')
+    last_two = served.call().message
+    served.set_parameters(n=10, strategy='informative', threshold=1.1)
+    sufficient = served.call().message
+    served.set_parameters(user_model_file=str(tmp_path / 'nowhere.yaml'))
+    without_model = served.call()
+    served.set_parameters(user_model_file=USER_MODEL, threshold=0.0, n=3)
+    again = served.call()
     assert one == 'I will exit from the bottom door.'
     assert last_two == 'I will navigate to the right corridor.\nI will exit from the bottom door.'
     # H is 3.40 nats before, and 1.04 after the two grabs (see test_explainer.py).
@@ -166,26 +183,24 @@ def test_parameters_act_at_once(peer, tmp_path):
     assert again.message == THREE_SENTENCES
 
 
-def test_values_out_of_range_and_read_only_parameters_are_refused_with_a_reason(peer, tmp_path):
-    with explainer(peer, tmp_path):
-        (strategy,) = peer.set_parameters(strategy='random')
-        (too_few,) = peer.set_parameters(n=-1)
-        (planner,) = peer.set_parameters(planner='pyperplan')
+def test_values_out_of_range_and_read_only_parameters_are_refused_with_a_reason(served):
+    (strategy,) = served.set_parameters(strategy='random')
+    (too_few,) = served.set_parameters(n=-1)
+    (planner,) = served.set_parameters(planner='pyperplan')
     assert not strategy[0]
     assert 'informative, increasing, decreasing' in strategy[1]
     assert not too_few[0]
     assert not planner[0]
 
 
-def test_with_remember_asking_again_tells_more_until_all_is_told(peer, tmp_path):
-    with explainer(peer, tmp_path, remember=True, n=2):
-        peer.publish_warehouse()
-        first = peer.answer().split('\n')
-        second = peer.call().message.split('\n')
-        for _ in range(4):
-            last = peer.call().message
-        forgotten = peer.call('mirror_explainer/forget')
-        after = peer.call().message.split('\n')
+def test_with_remember_asking_again_tells_more_until_all_is_told(served):
+    served.set_parameters(remember=True, n=2)
+    first = served.answer().split('\n')
+    second = served.call().message.split('\n')
+    for _ in range(4):
+        last = served.call().message
+    forgotten = served.call('mirror_explainer/forget')
+    after = served.call().message.split('\n')
     assert not set(first) & set(second)
     assert last == 'You have heard every step of my plan.'
     assert forgotten.success
@@ -214,48 +229,46 @@ BAD_INPUTS = {
 }
 
 
-def test_bad_input_is_named_in_answer_log_and_diagnostics_and_good_input_heals_it(peer, tmp_path):
+def test_bad_input_is_named_in_answer_log_and_diagnostics_and_good_input_heals_it(
+    served, long_running
+):
     good = {'domain': DOMAIN, 'problem': PROBLEM, 'plan': PLAN}
-    with explainer(peer, tmp_path) as node:
-        peer.publish_warehouse()
-        peer.answer()
-        for what, (topic, text, expected) in BAD_INPUTS.items():
-            peer.publish(topic, text)
-            reason = peer.failure(expected)
-            assert '\n' not in reason, what
-            eventually(lambda: reason in node.log, f'{what} in the log')  # noqa: B023
-            eventually(
-                lambda: last_diagnostic(peer)['message'] == reason,  # noqa: B023
-                f'{what} in the diagnostics',
-            )
-            peer.publish(topic, good[topic])
-            assert peer.answer() == THREE_SENTENCES, what
-        eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'ready')
-        assert last_diagnostic(peer)['level'] == DiagnosticStatus.OK
-        assert node.popen.poll() is None
+    peer, node = long_running
+    for what, (topic, text, expected) in BAD_INPUTS.items():
+        peer.publish(topic, text)
+        reason = peer.failure(expected)
+        assert '\n' not in reason, what
+        eventually(lambda: reason in node.log, f'{what} in the log')  # noqa: B023
+        eventually(
+            lambda: last_diagnostic(peer)['message'] == reason,  # noqa: B023
+            f'{what} in the diagnostics',
+        )
+        peer.publish(topic, good[topic])
+        assert peer.answer() == THREE_SENTENCES, what
+    eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'ready')
+    assert last_diagnostic(peer)['level'] == DiagnosticStatus.OK
+    assert node.popen.poll() is None
 
 
-def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(peer, tmp_path):
+def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(served, tmp_path):
     user_model = tmp_path / 'user_model.yaml'
     user_model.write_text('goals:\n  - goal: (holding nothing)\n  - goal: (outside red_cube)\n')
-    with explainer(peer, tmp_path, user_model_file=user_model):
-        peer.publish_warehouse()
-        reason = peer.failure('2 faults')
-        user_model.write_text(Path(USER_MODEL).read_text())
-        mended = peer.answer()
+    served.set_parameters(user_model_file=str(user_model))
+    reason = served.failure('2 faults')
+    user_model.write_text(Path(USER_MODEL).read_text())
+    mended = served.answer()
     assert 'line 2' in reason
     assert 'line 3' in reason
     assert mended == THREE_SENTENCES
 
 
-def test_a_user_model_that_no_log_can_print_does_not_end_the_node(peer, tmp_path):
+def test_a_user_model_that_no_log_can_print_does_not_end_the_node(served, tmp_path):
     user_model = tmp_path / 'user_model.yaml'
     user_model.write_text('goals:\n  - goal: "(holding \\ud800)"\n')
-    with explainer(peer, tmp_path, user_model_file=user_model):
-        peer.publish_warehouse()
-        reason = peer.failure('user_model.yaml')
-        peer.set_parameters(user_model_file=USER_MODEL)
-        mended = peer.answer()
+    served.set_parameters(user_model_file=str(user_model))
+    reason = served.failure('user_model.yaml')
+    served.set_parameters(user_model_file=USER_MODEL)
+    mended = served.answer()
     assert 'line 2' in reason
     assert mended == THREE_SENTENCES
 
