@@ -61,7 +61,7 @@ def log_lines(node: Process, words: str) -> list[str]:
 
 
 def test_bad_messages_without_end_do_not_flood_the_log(peer, node):
-    for _ in range(10):
+    for _ in range(5):
         peer.publish('plan', '(fly away)')
         peer.failure('no action "fly"')
         peer.publish('plan', '(move left mars)')
@@ -80,7 +80,10 @@ def test_a_robot_that_replans_all_the_time_does_not_flood_the_log(peer, node):
     def updates() -> int:
         return int(last_diagnostic(peer)['updates'])
 
-    lines = len(log_lines(node, 'ready: '))
+    def told_ready() -> int:
+        return sum('like this' not in line for line in log_lines(node, 'ready: '))
+
+    told = told_ready()
     for number in range(10):
         before = updates()
         peer.publish('plan', f'{PLAN}\n; {number}')
@@ -88,7 +91,7 @@ def test_a_robot_that_replans_all_the_time_does_not_flood_the_log(peer, node):
     peer.publish('plan', PLAN)
     peer.answer()
 
-    assert len(log_lines(node, 'ready: ')) == lines
+    assert told_ready() == told
 
 
 def test_the_log_level_of_the_running_node_reaches_the_planners_lines(peer, node):

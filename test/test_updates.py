@@ -137,6 +137,17 @@ def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_r
     assert robot.told == []
 
 
+def test_a_plan_that_comes_long_before_its_problem_is_not_told_to_be_wrong(played):
+    robot = played(lambda inputs, stop: BAD if inputs.problem.text == 'old' else READY)
+    robot.submit('plan', 'old')
+    while not robot.maker.made:
+        time.sleep(0.001)
+    robot.submit('plan', 'new')
+
+    assert robot.updates.wait(PATIENCE).phase is Phase.READY
+    assert [state.phase for state in robot.told] == [Phase.READY]
+
+
 def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
     robot = played(
         lambda inputs, stop: until_stopped(inputs, stop) if inputs.plan.text == 'old' else READY

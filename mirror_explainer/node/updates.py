@@ -20,6 +20,9 @@ from mirror_explainer.node.stop_request import StopRequest
 # A robot publishes its problem and its plan one after the other: judge them together.
 SETTLING_SECONDS = 0.1
 LONGEST_SETTLING_SECONDS = 0.5
+# One of the two may wait behind many calls: that they do not fit is believed when nothing has come
+# for so long.
+DOUBTFUL_SECONDS = 0.5
 # A file may be written piece by piece: read it when it has been left alone for so long.
 FILE_SETTLING_SECONDS = 0.5
 LONGEST_FILE_SETTLING_SECONDS = 5.0
@@ -173,6 +176,8 @@ class Updates:
                 with self._changed:
                     self._overtaken += 1
                 continue
+            if state.blames_plan:
+                self._wait_for_the_other_half()
             self.look_at_files()  # nothing that was half-written when read is answered from
             state = replace(state, number=work.number)
             if self._conclude(state, work.inputs, time.monotonic() - began):
@@ -219,6 +224,14 @@ class Updates:
         self._pending = False
         self._stop = StopRequest()
         return _Work(self._newest, self._submits, self._stop)
+
+    def _wait_for_the_other_half(self) -> None:
+        """Wait for a problem, or a plan, that was published together with the last input."""
+        with self._changed:
+            believed_at = self._settled_at - SETTLING_SECONDS + DOUBTFUL_SECONDS
+            self._changed.wait_for(
+                lambda: self._closed or self._pending, believed_at - time.monotonic()
+            )
 
     def _conclude(self, state: State, inputs: Inputs, took: float) -> bool:
         """Make known what came of these inputs after so many seconds; say whether it is news.
