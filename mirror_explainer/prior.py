@@ -18,6 +18,8 @@ from mirror_explainer.user_model import CandidateGoal, UserModel
 
 # What b_R gets when the user model calls it impossible (footnote 2 of the paper).
 CONTRADICTED_PROBABILITY = 1e-6
+# Of names, for a mere hint: each takes some microseconds, in every update.
+_MOST_COMPARISONS = 2000
 
 
 @dataclass(frozen=True)
@@ -150,8 +152,11 @@ def _misspelt_objects(task: Task, user_model: UserModel) -> Iterator[str]:
     wordings = [by for template in user_model.templates.values() for by in template.when.values()]
     named = {*user_model.objects, *(name for by in wordings for name in by)}
     objects = {item.name.lower() for item in task.model.all_objects}
-    for name in sorted(named - objects):
-        for close in difflib.get_close_matches(name, sorted(objects - named), n=1, cutoff=0.8):
+    missing, unnamed = sorted(named - objects), sorted(objects - named)
+    if len(missing) * len(unnamed) > _MOST_COMPARISONS:
+        return
+    for name in missing:
+        for close in difflib.get_close_matches(name, unnamed, n=1, cutoff=0.8):
             yield (
                 f'the user model names the object "{name}", which the problem does not have '
                 f'(did you mean "{close}"?)'

@@ -68,6 +68,10 @@ _QUOTES = 'Put texts with { at their beginning, or with a colon in them, in quot
 _CONTROL = re.compile('[\0-\x08\x0e-\x1b\x7f-\x84\x86-\x9f\ud800-\udfff]')
 
 
+# The pairs of mapping nodes by key, by the nodes' ids.
+_Pairs = dict[int, dict[str, tuple[yaml.Node, yaml.Node]]]
+
+
 @dataclass(frozen=True)
 class Fault:
     """Something wrong, with the keys and indices that lead to it in the YAML.
@@ -192,7 +196,10 @@ def schema_reason(detail: Mapping[str, Any]) -> str:
 
 def report(faults: Sequence[Fault], root: yaml.Node) -> tuple[str, int | None]:
     """Return all faults as one sentence in the order of the file, and the line of a single one."""
-    lines = sorted({(fault.line or _line(root, fault.path), _named(fault)) for fault in faults})
+    known: _Pairs = {}
+    lines = sorted(
+        {(fault.line or _line(root, fault.path, known), _named(fault)) for fault in faults}
+    )
     if len(lines) == 1:
         return lines[0][1], lines[0][0]
     listed = '; '.join(f'line {line}: {reason}' for line, reason in lines)
@@ -204,17 +211,21 @@ def _named(fault: Fault) -> str:
     return f'{place}: {fault.reason}' if place else fault.reason
 
 
-def _line(root: yaml.Node, path: Iterable[str | int]) -> int:
-    """Return the line (from 1) of what the path leads to, or of the nearest thing above it."""
+def _line(root: yaml.Node, path: Iterable[str | int], known: _Pairs) -> int:
+    """Return the line (from 1) of what the path leads to, or of the nearest thing above it.
+
+    `known` has what was looked up before: a long mapping may have many faults.
+    """
     node, line = root, root.start_mark.line
     for step in path:
         if isinstance(node, yaml.SequenceNode) and isinstance(step, int):
             node = node.value[step]
             line = node.start_mark.line
         elif isinstance(node, yaml.MappingNode):
-            # Of equal keys the last counts: YAML keeps that one.
-            found = [pair for pair in node.value if pair[0].value == str(step)]
-            if found:
-                key, node = found[-1]
+            if id(node) not in known:
+                # Of equal keys the last counts: YAML keeps that one.
+                known[id(node)] = {str(key.value): (key, value) for key, value in node.value}
+            if str(step) in known[id(node)]:
+                key, node = known[id(node)][str(step)]
                 line = key.start_mark.line
     return line + 1

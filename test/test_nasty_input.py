@@ -87,6 +87,28 @@ def test_a_name_with_letters_that_pddl_does_not_have_is_refused_at_its_line(odd:
     assert (of_plan.source, of_plan.line) == ('plan', 2)
 
 
+def test_a_user_model_with_very_many_names_that_are_not_there_is_read_all_the_same(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / 'model.yaml'
+    names = ', '.join(f'p{number}x: name' for number in range(30_000))
+    path.write_text(f'goals: [{{goal: (at p1)}}]\nobjects: {{{names}}}')
+    task = read_task(CHAIN_DOMAIN, chain(2000), limits=LIMITS)
+
+    prior = belief_prior(task, read_user_model(path, task, limits=LIMITS))
+
+    assert len(prior.beliefs) == 2
+
+
+def test_a_user_model_with_very_many_faults_is_refused_all_the_same(tmp_path: Path) -> None:
+    path = tmp_path / 'model.yaml'
+    path.write_text(GOAL + '\n'.join(f'key{number}: 1' for number in range(30_000)))
+
+    error = refusal(lambda: read_user_model(path, limits=LIMITS))
+
+    assert error.reason.startswith('30000 faults: line 2: key0: unknown key; line 3: key1: ')
+
+
 def test_names_in_other_scripts_are_said_as_they_are(read_model, task: Task) -> None:
     model = read_model(
         GOAL + 'sentences: {grab: "我拿{i}。"}\nobjects: {red_cube: "قرمز\u200cرنگ"}\n'
