@@ -101,7 +101,7 @@ class Explanation:
             'cross_entropy_after': model.cross_entropy(heard),
             'understanding_before': model.understanding(self.said),
             'understanding': model.understanding(heard),
-            'true_goal': model.goals[model.hypotheses[model.robot].goal].name,
+            'true_goal': model.robot_goal.name,
             'optimal': self.selection.optimal,
             'gap': self.selection.gap,
             'complete': model.complete,

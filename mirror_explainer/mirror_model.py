@@ -93,6 +93,11 @@ class MirrorModel:
         return self.hypotheses[self.robot].plan
 
     @property
+    def robot_goal(self) -> CandidateGoal:
+        """G_R."""
+        return self.goals[self.hypotheses[self.robot].goal]
+
+    @property
     def complete(self) -> bool:
         """Whether every belief of the user model was enumerated, and planned for as asked."""
         known = self.unknown_mass == 0.0 and self.stand_in_plans == 0

@@ -98,9 +98,8 @@ def _summary(explanation: Explanation) -> str:
     """Return one line on how well the listener now understands, and on what is amiss."""
     model, said, selection = explanation.preparation.model, explanation.said, explanation.selection
     after = model.understanding([*said, *selection.positions])
-    goal = model.goals[model.hypotheses[model.robot].goal].name
     summary = (
-        f'The listener now finds the robot\'s goal "{goal}" {after:.0%} likely '
+        f'The listener now finds the robot\'s goal "{model.robot_goal.name}" {after:.0%} likely '
         f'({model.understanding(said):.0%} before); '
         f'{selection.information_gain:.2f} of {model.cross_entropy(said):.2f} nats told.'
     )

@@ -71,10 +71,9 @@ class Answers:
         if number > self._newest:
             self._newest = number
             model = preparation.model
-            goal = model.goals[model.hypotheses[model.robot].goal].goal
-            kept = self._said if goal == self._goal else []
+            kept = self._said if model.robot_goal.goal == self._goal else []
             self._said = [sentence for sentence in kept if sentence in model.sentences]
-            self._goal = goal
+            self._goal = model.robot_goal.goal
 
     def _get(
         self, preparation: Preparation, question: dict[str, Any], said: tuple[str, ...]
