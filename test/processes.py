@@ -5,10 +5,13 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 from pddl_cases import gripper
 
 from mirror_explainer.planning import Belief, BeliefSpace, Planner
+
+T = TypeVar('T')
 
 HARD = BeliefSpace(*gripper(30)[:2], goals=(gripper(30)[2], '(robot-at there)'))
 
@@ -61,10 +64,11 @@ class Asking(threading.Thread):
             self.error = error
 
 
-def wait_until(condition: Callable[[], object], seconds: float = 10.0) -> bool:
+def wait_until(condition: Callable[[], T], seconds: float = 60.0) -> T | None:
+    """Return what the condition gives once that is true, None if it never is."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        if condition():
-            return True
+        if value := condition():
+            return value
         time.sleep(0.01)
-    return False
+    return None

@@ -218,11 +218,13 @@ def test_a_server_ends_when_it_is_told_to(told):
 
 
 def test_a_page_updates_itself_within_the_policy(site, chromium):
+    from playwright.sync_api import expect  # where there is chromium, there is playwright
+
     with person(chromium) as page:
         page.goto(site.url)
         page.get_by_label('Say').fill('<b>hello</b>')
         page.keyboard.press('Enter')
-        page.wait_for_function("document.getElementById('said').textContent == 'hello'")
+        expect(page.locator('#said')).to_have_text('hello')
 
 
 @pytest.mark.parametrize('screen', ['desktop', 'zoomed', 'tablet'])
