@@ -7,7 +7,6 @@ import pytest
 from browser import chromium  # noqa: F401  (a fixture for all tests)
 
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.planning import Planner
 from mirror_explainer.user_model import UserModel, read_user_model
 
 WAREHOUSE = Path(__file__).parent.parent / 'config' / 'warehouse'
@@ -42,13 +41,6 @@ def model_file(tmp_path: Path) -> Callable[[str], Path]:
 def read_model(model_file: Callable[[str], Path], task: Task) -> Callable[[str], UserModel]:
     """Return a function that reads a user model's YAML text against the example's task."""
     return lambda text: read_user_model(model_file(text), task)
-
-
-@pytest.fixture(params=[True, False], ids=['grounded once', 'one by one'])
-def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
-    """Let a test plan in both ways, with time for a machine that is busy with other tests."""
-    with Planner('fast-downward-opt', shortcuts=request.param, planning_timeout=60.0) as planner:
-        yield planner
 
 
 @pytest.fixture(scope='module')

@@ -44,11 +44,10 @@ def peer() -> Iterator[Peer]:
 
 @pytest.fixture(scope='module')
 def long_running(ros: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[object]:
-    """A peer, and a node that explains the warehouse to it, for all tests that can share them."""
+    """A robot that latched its plan, and a node started after it, for all that can share them."""
     peer = Peer(new_namespace())
+    peer.publish_warehouse(latched=True, heard=False)
     with explainer(peer, tmp_path_factory.mktemp('node')) as node:
-        peer.publish_warehouse()
-        peer.answer()
         yield peer, node
     peer.close()
 
@@ -73,17 +72,29 @@ def latched(peer: Peer, topic: str) -> str:
     return texts[-1]
 
 
-def test_a_robot_that_latched_its_plan_before_the_node_started_is_explained(peer, tmp_path):
-    peer.publish_warehouse(latched=True, heard=False)
-    with explainer(peer, tmp_path):
-        answer = peer.answer()
-    assert answer == THREE_SENTENCES
+def test_a_robot_that_latched_its_plan_before_the_node_started_is_explained(served):
+    assert served.answer() == THREE_SENTENCES
 
 
-def test_volatile_messages_after_the_start_are_explained(peer, tmp_path):
-    with explainer(peer, tmp_path):
-        peer.publish_warehouse(latched=False)
+def test_what_is_missing_is_said_until_all_has_been_heard_even_if_nothing_is_latched(
+    peer, tmp_path
+):
+    def say(topic: str, text: str) -> None:
+        peer.publish(topic, text, latched=False)
+
+    with explainer(peer, tmp_path, user_model_file=''):
+        nothing = peer.failure('waiting for')
+        say('plan', PROBLEM)
+        mixed_up = peer.failure('a plan is expected here')
+        say('domain', DOMAIN)
+        say('plan', PLAN)
+        rest = peer.failure('waiting for problem')
+        peer.set_parameters(user_model_file=USER_MODEL)
+        say('problem', PROBLEM)
         answer = peer.answer()
+    assert all(word in nothing for word in ('domain', 'problem', 'plan', 'user_model_file'))
+    assert '/plan, line' in mixed_up
+    assert rest == 'waiting for problem (topic), user model (parameter user_model_file)'
     assert answer == THREE_SENTENCES
 
 
@@ -273,40 +284,6 @@ def test_a_user_model_that_no_log_can_print_does_not_end_the_node(served, tmp_pa
     assert mended == THREE_SENTENCES
 
 
-def test_mixed_up_topics_are_told_although_something_is_missing(peer, tmp_path):
-    with explainer(peer, tmp_path):
-        peer.publish('plan', PROBLEM)
-        reason = peer.failure('a plan is expected here')
-    assert '/plan, line' in reason
-
-
-def test_a_strategy_that_does_not_exist_is_refused_at_the_start(peer, tmp_path):
-    with explainer(peer, tmp_path, strategy='informativ') as node:
-        status = node.popen.wait(60)
-    assert status != 0
-    assert 'informative, increasing, decreasing' in node.log
-
-
-def test_what_is_missing_is_said_at_once(peer, tmp_path):
-    with explainer(peer, tmp_path, user_model_file=''):
-        nothing = peer.failure('waiting for')
-        peer.publish('domain', DOMAIN)
-        peer.publish('plan', PLAN)
-        eventually(
-            lambda: 'plan (topic)' not in peer.call().message, 'domain and plan to be heard'
-        )
-        rest = peer.call().message
-    assert all(word in nothing for word in ('domain', 'problem', 'plan', 'user_model_file'))
-    assert rest == 'waiting for problem (topic), user model (parameter user_model_file)'
-
-
-def test_an_engine_that_is_not_installed_is_named(peer, tmp_path):
-    with explainer(peer, tmp_path, planner='no-such-engine'):
-        peer.publish_warehouse()
-        reason = peer.failure('no-such-engine')
-    assert reason
-
-
 def tiles_explainer(peer: Peer, folder: Path, **parameters: object):
     """An explainer for the 15-puzzle, patient enough to plan for the whole test."""
     user_model = folder / 'tiles.yaml'
@@ -323,29 +300,23 @@ def publish_tiles(peer: Peer, moves: int) -> None:
     peer.publish('plan', plan)
 
 
-def test_a_replan_while_a_call_waits_is_what_the_call_answers(peer, tmp_path):
-    with tiles_explainer(peer, tmp_path):
+def test_a_call_in_vain_says_how_far_the_work_is_and_one_that_waits_is_told_of_a_replan(
+    peer, tmp_path
+):
+    with tiles_explainer(peer, tmp_path, answer_timeout=0.2):
         publish_tiles(peer, moves=200)
-        eventually(
-            lambda: peer.diagnostics and last_diagnostic(peer)['message'] == 'planning 0 of 2',
-            'planning',
-        )
+        in_vain = peer.failure('planning 0 of 2')
+        peer.set_parameters(answer_timeout=30.0)
         waiting = peer.start_call()
         peer.set_parameters(n=1)  # answered although a call waits
         still_waiting = not waiting.done
         publish_tiles(peer, moves=3)
         answer = waiting.result()
     _, plan = sliding_tiles.scrambled(3)
+    assert in_vain == 'the explanation is not ready yet: planning 0 of 2'
     assert still_waiting
     assert answer.success, answer.message
     assert answer.message in [f'I will {step.strip("()")}.' for step in plan.split('\n')]
-
-
-def test_a_call_that_waited_in_vain_says_how_far_the_work_is(peer, tmp_path):
-    with tiles_explainer(peer, tmp_path, answer_timeout=0.2):
-        publish_tiles(peer, moves=200)
-        reason = peer.failure('planning 0 of 2')
-    assert reason == 'the explanation is not ready yet: planning 0 of 2'
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
@@ -378,18 +349,3 @@ def test_the_demo_robot_is_explained_at_every_step_until_nothing_is_left(peer, t
             assert len(answers) < 20, answers
     assert answers[0] == 'I will exit from the bottom door.'
     assert len(answers) >= 2
-
-
-def test_the_robot_with_a_low_battery_tells_the_visitor_so(peer, tmp_path):
-    with (
-        explainer(peer, tmp_path, user_model_file=CONFIG / 'visitor.yaml', n=4),
-        running(
-            'warehouse_robot',
-            peer.node.get_namespace(),
-            tmp_path,
-            problem_file=CONFIG / 'low_battery_problem.pddl',
-            plan_file=CONFIG / 'low_battery_plan.txt',
-        ),
-    ):
-        answer = peer.answer()
-    assert 'I will recharge my battery.' in answer.split('\n')

@@ -24,6 +24,7 @@ from ros_peer import (
     running,
 )
 
+from mirror_explainer.explainer_node import main
 from mirror_explainer.node.surroundings import package_version
 
 pytestmark = pytest.mark.usefixtures('ros')
@@ -158,17 +159,26 @@ def test_the_publishers_of_remapped_inputs_are_seen(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ('options', 'parameters', 'status', 'told'),
+    ('parameters', 'told'),
     [
-        (['--log-levle', 'x'], {}, 2, 'unrecognized arguments: --log-levle'),
-        (['--help'], {}, 0, '--log-level'),
-        ([], {'n': 0}, 2, 'explainer_node: error: Invalid parameter value (0)'),
+        ({'n': 0}, 'explainer_node: error: Invalid parameter value (0)'),
+        ({'strategy': 'informativ'}, 'informative, increasing, decreasing'),
     ],
-    ids=['unknown option', 'help', 'parameter out of range'],
 )
-def test_a_wrong_start_ends_with_one_sentence(options, parameters, status, told, tmp_path):
-    name = new_namespace()
-    with running('explainer_node', name, tmp_path, options=options, **parameters) as node:
-        assert node.popen.wait(PATIENCE) == status
+def test_a_wrong_parameter_ends_the_start_with_one_sentence(parameters, told, tmp_path):
+    with running('explainer_node', new_namespace(), tmp_path, **parameters) as node:
+        assert node.popen.wait(PATIENCE) == 2
         assert told in node.log
         assert 'Traceback' not in node.log
+
+
+@pytest.mark.parametrize(
+    ('option', 'status', 'told'),
+    [('--log-levle=x', 2, 'unrecognized arguments: --log-levle'), ('--help', 0, '--log-level')],
+)
+def test_what_is_wrong_with_an_option_is_told_and_so_is_help(option, status, told, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(['explainer_node', option])
+
+    assert ended.value.code == status
+    assert told in ''.join(capsys.readouterr())

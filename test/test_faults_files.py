@@ -129,14 +129,11 @@ def hyps(peer: Peer, model_path: Path) -> Iterator[Path]:
     assert peer.call().message == THREE_SENTENCES
 
 
-def test_an_edit_is_noticed_although_nobody_calls(peer: Peer, tmp_path: Path) -> None:
-    user_model = tmp_path / 'user_model.yaml'
-    user_model.write_text(MODEL)
-    with explainer(peer, tmp_path, user_model_file=user_model):
-        peer.publish_warehouse()
-        peer.answer()
-        user_model.unlink()
-        eventually(lambda: 'cannot be read' in last_diagnostic(peer)['message'], 'the fault told')
+def test_an_edit_is_noticed_although_nobody_calls(peer: Peer, model_path: Path) -> None:
+    model_path.unlink()
+    eventually(lambda: 'cannot be read' in last_diagnostic(peer)['message'], 'the fault told')
+    model_path.write_text(MODEL)
+    eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'that it is mended')
 
 
 def test_an_edit_of_the_file_of_candidates_is_noticed(peer: Peer, hyps: Path) -> None:

@@ -1,5 +1,6 @@
 """What planning finds for beliefs, through real engines in real processes."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
@@ -16,6 +17,18 @@ from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
+
+
+@pytest.fixture(scope='module', params=[True, False], ids=['grounded once', 'one by one'])
+def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
+    """Let tests plan in both ways, with time for a machine that is busy with other tests."""
+    with Planner('fast-downward-opt', shortcuts=request.param, planning_timeout=60.0) as planner:
+        yield planner
+
+
+def never_planned(comment: str) -> BeliefSpace:
+    """Return the workshop's beliefs as a space that no other test has asked about."""
+    return replace(TOOLS, domain=f'{TOOLS.domain}; {comment}\n')
 
 
 def test_costs_are_in_the_metric_and_actions_in_canonical_text(planner: Planner) -> None:
@@ -80,8 +93,9 @@ def test_pyperplan_plans_without_fast_downward() -> None:
 
 
 def test_asking_again_costs_no_planner_call(planner: Planner) -> None:
-    first = planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)])
-    again = planner.plan(TOOLS, [Belief(0, TOOLS_SHARP), Belief(0)])
+    space = never_planned('asked again')
+    first = planner.plan(space, [Belief(0), Belief(0, TOOLS_SHARP)])
+    again = planner.plan(space, [Belief(0, TOOLS_SHARP), Belief(0)])
 
     assert first.planner_calls > 0
     assert again.planner_calls == 0
@@ -101,7 +115,7 @@ def test_a_changed_problem_is_planned_anew(planner: Planner) -> None:
 def test_progress_is_told_for_each_belief(planner: Planner) -> None:
     told: list[tuple[int, int]] = []
     planner.plan(
-        TOOLS,
+        never_planned('for each belief'),
         [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)],
         progress=lambda done, total: told.append((done, total)),
     )
@@ -111,16 +125,17 @@ def test_progress_is_told_for_each_belief(planner: Planner) -> None:
 
 
 def test_progress_counts_only_the_beliefs_asked_about(planner: Planner) -> None:
+    space = never_planned('counted')
     told: list[tuple[int, int]] = []
 
     def progress(done: int, total: int) -> None:
         told.append((done, total))
 
-    planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)])
-    planner.plan(TOOLS, [Belief(1, TOOLS_SHARP)], progress=progress)
-    planner.plan(replace(TOOLS, goals=('(cut)',)), [Belief(0)])
-    planner.plan(TOOLS, [Belief(0)])
-    planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)], progress=progress)
+    planner.plan(space, [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)])
+    planner.plan(space, [Belief(1, TOOLS_SHARP)], progress=progress)
+    planner.plan(replace(space, goals=('(cut)',)), [Belief(0)])
+    planner.plan(space, [Belief(0)])
+    planner.plan(space, [Belief(0), Belief(0, TOOLS_SHARP)], progress=progress)
 
     # One new; then, of two, one that is known already
     assert told == [(1, 1), (2, 2)]

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +20,13 @@ from processes import HARD, Asking, child_sessions, processes_of, searches_of, w
 from mirror_explainer.errors import Cancelled, InputError, PlanningError
 from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward import find_downward
+
+
+@pytest.fixture(params=[True, False], ids=['grounded once', 'one by one'])
+def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
+    """A planner of a test's own, in both ways, with one process: an engine's takes seconds."""
+    with Planner(workers=1, shortcuts=request.param, planning_timeout=60.0) as planner:
+        yield planner
 
 
 @pytest.mark.parametrize(

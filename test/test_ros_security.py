@@ -1,6 +1,5 @@
 """The node's rights and its words, seen from the ROS side."""
 
-import itertools
 import os
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -12,10 +11,19 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-import rclpy
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from rclpy.node import NodeNameNonExistentError
-from ros_peer import PATIENCE, THREE_SENTENCES, USER_MODEL, Peer, eventually, running
+from ros_peer import (
+    PATIENCE,
+    THREE_SENTENCES,
+    USER_MODEL,
+    Peer,
+    Process,
+    eventually,
+    explainer,
+    new_namespace,
+    running,
+)
 
 POLICY = Path(get_package_share_directory('mirror_explainer')) / 'config/sros2/policy.xml'
 # A policy's element and attribute, and what rclpy calls it.
@@ -26,19 +34,14 @@ RIGHTS = {
     ('services', 'request'): 'client',
 }
 
-_namespaces = (f'/secured_{os.getpid()}_{number}' for number in itertools.count())
+pytestmark = pytest.mark.usefixtures('ros')
 
-
-@pytest.fixture(scope='module', autouse=True)
-def ros() -> Iterator[None]:
-    rclpy.init()
-    yield
-    rclpy.try_shutdown()
+Answered = tuple[Peer, Process]
 
 
 @pytest.fixture
 def peer() -> Iterator[Peer]:
-    peer = Peer(next(_namespaces))
+    peer = Peer(new_namespace())
     yield peer
     peer.close()
 
@@ -77,16 +80,33 @@ def used_in_the_end(peer: Peer, node: str, expected: dict[str, set[str]]) -> dic
     return used(peer, node)
 
 
-def test_the_policy_allows_the_node_what_it_uses_and_no_more(peer, tmp_path):
-    expected = allowed('/mirror_explainer', peer.node.get_namespace())
-    with running(
-        'explainer_node', peer.node.get_namespace(), tmp_path, user_model_file=USER_MODEL
-    ):
+@pytest.fixture(scope='module')
+def answered(
+    ros: None, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[Peer, Process]]:
+    """A peer and its node, which has answered."""
+    peer = Peer(new_namespace())
+    with explainer(peer, tmp_path_factory.mktemp('node')) as node:
         peer.publish_warehouse()
-        answer = peer.answer()
-        found = used_in_the_end(peer, 'mirror_explainer', expected)
-    assert answer == THREE_SENTENCES
-    assert found == expected
+        peer.answer()
+        yield peer, node
+    peer.close()
+
+
+def test_the_policy_allows_the_node_what_it_uses_and_no_more(answered):
+    peer, _ = answered
+    expected = allowed('/mirror_explainer', peer.node.get_namespace())
+
+    assert used_in_the_end(peer, 'mirror_explainer', expected) == expected
+
+
+def test_a_terminal_and_a_format_find_nothing_to_obey_in_a_logged_name(answered):
+    peer, node = answered
+    peer.publish('plan', '(%s%n%p{0.__class__}$HOME \x1b]0;owned\x07a\x9b31m)')
+    reason = peer.failure('%s%n%p{0.__class__}$HOME')
+    eventually(lambda: reason in node.log, 'the reason in the log')
+
+    assert not {'\x1b', '\x07', '\x9b'} & set(node.log + reason)
 
 
 def test_the_policy_allows_the_demo_robot_what_it_uses_and_no_more(peer, tmp_path):
@@ -133,19 +153,6 @@ def test_where_security_is_enforced_the_node_does_not_start_without_its_keys(tmp
 
     assert ended.returncode != 0
     assert 'SECURITY' in ended.stderr.upper()
-
-
-def test_a_terminal_and_a_format_find_nothing_to_obey_in_a_logged_name(peer, tmp_path):
-    with running(
-        'explainer_node', peer.node.get_namespace(), tmp_path, user_model_file=USER_MODEL
-    ) as node:
-        peer.publish_warehouse()
-        peer.answer()
-        peer.publish('plan', '(%s%n%p{0.__class__}$HOME \x1b]0;owned\x07a\x9b31m)')
-        reason = peer.failure('%s%n%p{0.__class__}$HOME')
-        eventually(lambda: reason in node.log, 'the reason in the log')
-        log = node.log
-    assert not {'\x1b', '\x07', '\x9b'} & set(log + reason)
 
 
 def test_the_node_serves_where_it_can_write_nowhere_but_in_its_folder_of_temporary_files(

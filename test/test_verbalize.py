@@ -5,6 +5,8 @@ import math
 import os
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -29,21 +31,35 @@ def without_ros(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return {**os.environ, 'PYTHONPATH': os.pathsep.join(paths)}
 
 
-@pytest.fixture(scope='module')
-def verbalize(without_ros: dict[str, str], warehouse: Path):
-    """Return a function that runs the command in the example's folder."""
+@dataclass
+class Done:
+    """What came of a run of the command."""
 
-    def run(*arguments: str | Path, plan: str | None = 'plan.txt', **files: str | Path):
-        named = {
-            'domain': 'domain.pddl',
-            'problem': 'problem.pddl',
-            'user-model': 'user_model.yaml',
-            **({'plan': plan} if plan else {}),
-            **{name.replace('_', '-'): file for name, file in files.items()},
-        }
-        options = [str(part) for name, file in named.items() for part in (f'--{name}', file)]
-        return subprocess.run(
-            [sys.executable, '-m', 'mirror_explainer.verbalize', *options, *map(str, arguments)],
+    returncode: object
+    stdout: str
+    stderr: str
+
+
+def arguments_of(words: Sequence[object], files: Mapping[str, object]) -> list[str]:
+    """Return a command line with the example's files but for those given; None is left out."""
+    named = {
+        'domain': 'domain.pddl',
+        'problem': 'problem.pddl',
+        'plan': 'plan.txt',
+        'user-model': 'user_model.yaml',
+        **{name.replace('_', '-'): file for name, file in files.items()},
+    }
+    options = [(f'--{name}', str(file)) for name, file in named.items() if file is not None]
+    return [*(word for pair in options for word in pair), *map(str, words)]
+
+
+@pytest.fixture
+def command(without_ros: dict[str, str], warehouse: Path):
+    """Return a function that runs the command as a process, in the example's folder."""
+
+    def run(*words: object, **files: object) -> Done:
+        done = subprocess.run(
+            [sys.executable, '-m', 'mirror_explainer.verbalize', *arguments_of(words, files)],
             cwd=warehouse,
             env=without_ros,
             capture_output=True,
@@ -51,12 +67,30 @@ def verbalize(without_ros: dict[str, str], warehouse: Path):
             encoding='utf-8',
             timeout=100,
         )
+        return Done(done.returncode, done.stdout, done.stderr)
 
     return run
 
 
-def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(verbalize) -> None:
-    done = verbalize('-n', '2', '--order', '--curve')
+@pytest.fixture
+def verbalize(
+    warehouse: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    """Return a function that runs the command within this process, which takes less long."""
+    monkeypatch.chdir(warehouse)
+
+    def run(*words: object, **files: object) -> Done:
+        try:
+            status = main(arguments_of(words, files))
+        except SystemExit as ended:  # argparse's way
+            status = ended.code
+        return Done(status, *capsys.readouterr())
+
+    return run
+
+
+def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(command) -> None:
+    done = command('-n', '2', '--order', '--curve')
 
     assert (done.returncode, done.stderr) == (0, '')
     sentences, summary, order, curve = done.stdout.rstrip('\n').split('\n\n')
@@ -74,8 +108,8 @@ def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(verbali
     assert len(rows) == 10
 
 
-def test_json_has_everything_the_order_and_the_curve_too(verbalize) -> None:
-    done = verbalize('--json', '--order', '--curve', user_model='visitor.yaml')
+def test_json_has_everything_the_order_and_the_curve_too(command) -> None:
+    done = command('--json', '--order', '--curve', user_model='visitor.yaml')
 
     assert (done.returncode, done.stderr) == (0, '')
     told = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f'{name} is no JSON'))
@@ -155,8 +189,8 @@ sentences:
 """
 
 
-def test_a_file_that_is_missing_is_named(verbalize) -> None:
-    done = verbalize(domain='no_domain.pddl')
+def test_a_file_that_is_missing_is_named(command) -> None:
+    done = command(domain='no_domain.pddl')
 
     assert (done.returncode, done.stdout) == (2, '')
     assert done.stderr == (
@@ -198,87 +232,64 @@ def test_a_goal_that_the_robot_cannot_reach_is_told(verbalize, tmp_path: Path) -
     )
 
 
-@pytest.fixture
-def in_process(capsys: pytest.CaptureFixture[str], warehouse: Path):
-    """Return a function that runs the command in this process: (status, stderr)."""
-
-    def run(*arguments: str | Path, **files: str | Path) -> tuple[object, str]:
-        named = {
-            'domain': warehouse / 'domain.pddl',
-            'problem': warehouse / 'problem.pddl',
-            'plan': warehouse / 'plan.txt',
-            'user-model': warehouse / 'visitor.yaml',
-            **{name.replace('_', '-'): file for name, file in files.items()},
-        }
-        options = [str(part) for name, file in named.items() for part in (f'--{name}', file)]
-        try:
-            status = main([*options, *map(str, arguments)])
-        except SystemExit as ended:  # argparse's way
-            status = ended.code
-        return status, capsys.readouterr().err
-
-    return run
-
-
-def test_bad_pddl_is_told_with_file_and_line(in_process, tmp_path: Path, warehouse: Path) -> None:
+def test_bad_pddl_is_told_with_file_and_line(verbalize, tmp_path: Path, warehouse: Path) -> None:
     problem = tmp_path / 'problem.pddl'
     problem.write_text((warehouse / 'problem.pddl').read_text().replace('(robot-at', '(robt-at'))
 
-    assert in_process(problem=problem) == (
+    assert verbalize(problem=problem) == Done(
         2,
+        '',
         f'verbalize: {problem}, line 13: (robt-at left): the domain has no predicate "robt-at" '
         '(did you mean "robot-at"?)\n',
     )
 
 
-def test_files_mixed_up_are_told(in_process, warehouse: Path) -> None:
-    domain, problem = warehouse / 'domain.pddl', warehouse / 'problem.pddl'
-
-    assert in_process(domain=problem, problem=domain) == (
+def test_files_mixed_up_are_told(verbalize) -> None:
+    assert verbalize(domain='problem.pddl', problem='domain.pddl') == Done(
         2,
-        f'verbalize: {problem}, line 6: this is a PDDL problem, but a domain is expected here: '
+        '',
+        'verbalize: problem.pddl, line 6: this is a PDDL problem, but a domain is expected here: '
         'are the two mixed up? Check which is which: the files, or the names and remappings of '
         'the topics.\n',
     )
 
 
-def test_a_plan_for_another_problem_is_told_with_its_first_failing_step(
-    in_process, warehouse: Path
-) -> None:
-    problem = warehouse / 'low_battery_problem.pddl'
-
-    assert in_process(problem=problem) == (
+def test_a_plan_for_another_problem_is_told_with_its_first_failing_step(verbalize) -> None:
+    assert verbalize(problem='low_battery_problem.pddl') == Done(
         2,
-        f'verbalize: {warehouse}/plan.txt, line 10: (exit bottom_door right) cannot be carried '
+        '',
+        'verbalize: plan.txt, line 10: (exit bottom_door right) cannot be carried '
         'out as step 10 of 10: (charged) does not hold. Give the problem with the state as it is '
         'now, and the plan with what is left to do from there; publish both, one right after the '
         'other, whenever either changes.\n',
     )
 
 
-def test_an_empty_plan_is_told(in_process, tmp_path: Path) -> None:
+def test_an_empty_plan_is_told(verbalize, tmp_path: Path) -> None:
     plan = tmp_path / 'plan.txt'
     plan.write_text('; cost = 0\n')
 
-    status, told = in_process(plan=plan)
+    done = verbalize(plan=plan)
 
-    assert status == 2
-    assert told.startswith(f'verbalize: {plan}: the robot has no current plan. Nothing is to be')
+    assert done.returncode == 2
+    assert done.stderr.startswith(
+        f'verbalize: {plan}: the robot has no current plan. Nothing is to be'
+    )
 
 
-def test_a_file_that_is_no_text_or_a_folder_is_told(in_process, tmp_path: Path) -> None:
+def test_a_file_that_is_no_text_is_told(verbalize, tmp_path: Path) -> None:
     binary = tmp_path / 'plan.txt'
     binary.write_bytes(b'\xff\xfe(\x00')
 
-    status, told = in_process(plan=binary)
-    assert (status, told.startswith(f'verbalize: {binary}, line 1: this is no UTF-8 text: ')) == (
-        2,
-        True,
-    )
-    status, told = in_process(plan=tmp_path)
-    assert (status, told) == (
-        2,
-        f'verbalize: {tmp_path}: the file cannot be read: Is a directory\n',
+    done = verbalize(plan=binary)
+
+    assert done.returncode == 2
+    assert done.stderr.startswith(f'verbalize: {binary}, line 1: this is no UTF-8 text: ')
+
+
+def test_a_folder_in_place_of_a_file_is_told(verbalize, tmp_path: Path) -> None:
+    assert verbalize(plan=tmp_path) == Done(
+        2, '', f'verbalize: {tmp_path}: the file cannot be read: Is a directory\n'
     )
 
 
@@ -293,8 +304,8 @@ def test_a_file_that_is_no_text_or_a_folder_is_told(in_process, tmp_path: Path) 
         ('--strategy', 'random', "argument --strategy: invalid choice: 'random'"),
     ],
 )
-def test_a_bad_option_is_told_in_words(in_process, option: str, value: str, said: str) -> None:
-    status, told = in_process(option, value)
+def test_a_bad_option_is_told_in_words(verbalize, option: str, value: str, said: str) -> None:
+    done = verbalize(option, value)
 
-    assert status == 2
-    assert said in told
+    assert (done.returncode, done.stdout) == (2, '')
+    assert said in done.stderr
