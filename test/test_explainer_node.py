@@ -347,5 +347,6 @@ def test_the_demo_robot_is_explained_at_every_step_until_nothing_is_left(peer, t
             if response.success and response.message != answers[-1]:
                 answers.append(response.message)
             assert len(answers) < 20, answers
+            time.sleep(0.05)
     assert answers[0] == 'I will exit from the bottom door.'
     assert len(answers) >= 2
