@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from mirror_explainer import defaults
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.mirror_model import MirrorModel, mirror_model
@@ -171,8 +172,8 @@ def prepare(
     user_model: UserModel,
     planner: Planner,
     *,
-    max_beliefs: int = 1024,
-    plans_per_belief: int = 300,
+    max_beliefs: int = defaults.MAX_BELIEFS,
+    plans_per_belief: int = defaults.PLANS_PER_BELIEF,
     deadline: float | None = None,
     cancelled: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -212,11 +213,11 @@ def explain(
     preparation: Preparation,
     *,
     strategy: str = 'informative',
-    n: int | None = 3,
+    n: int | None = defaults.SENTENCES,
     threshold: float = 0.0,
     said: Sequence[str] = (),
     said_source: str = 'sentences said earlier',
-    selection_budget: float | None = 0.5,
+    selection_budget: float | None = defaults.SELECTION_BUDGET,
 ) -> Explanation:
     """Choose what to say: `n` sentences, or all with None.
 

@@ -2,10 +2,11 @@
 
 import argparse
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from mirror_explainer import defaults
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.options import number, whole
@@ -29,25 +30,21 @@ def add_file_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGro
 def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what planning may be told."""
     planning = parser.add_argument_group('planning')
-    planning.add_argument(
-        '--planner', default='fast-downward-opt', metavar='ENGINE',
-        help="unified-planning's name of the engine (default fast-downward-opt)",
-    )  # fmt: skip
-    planning.add_argument('--plans-per-belief', type=whole(1), default=300, metavar='K')
-    planning.add_argument('--max-beliefs', type=whole(1), default=1024, metavar='M')
-    planning.add_argument(
-        '--planning-timeout', type=number(0), default=10.0, metavar='S', help='per belief'
-    )
-    planning.add_argument(
-        '--deadline', type=number(0), default=60.0, metavar='S', help='for all planning'
-    )
-    planning.add_argument('--workers', type=whole(1), default=2, help='planning processes')
-    planning.add_argument(
-        '--planner-memory-limit', type=whole(1), default=1024, metavar='MIB', help='of a search'
-    )
-    planning.add_argument(
-        '--downward-binary', default='', metavar='FILE', help="Fast Downward's search, self-built"
-    )
+
+    def add(
+        option: str, metavar: str, default: Any, kind: Callable[[str], Any], what: str
+    ) -> None:
+        shown = f'{what} (default %(default)s)' if default != '' else what
+        planning.add_argument(option, type=kind, default=default, metavar=metavar, help=shown)
+
+    add('--planner', 'ENGINE', defaults.PLANNER, str, "unified-planning's name of the engine")
+    add('--plans-per-belief', 'K', defaults.PLANS_PER_BELIEF, whole(1), 'optimal ones, at most')
+    add('--max-beliefs', 'M', defaults.MAX_BELIEFS, whole(1), 'the most probable ones')
+    add('--planning-timeout', 'S', defaults.PLANNING_TIMEOUT, number(0), 'for each belief')
+    add('--deadline', 'S', defaults.DEADLINE, number(0), 'for all planning')
+    add('--workers', 'W', defaults.WORKERS, whole(1), 'planning processes at a time')
+    add('--planner-memory-limit', 'MIB', defaults.MEMORY_LIMIT, whole(1), 'of a search')
+    add('--downward-binary', 'FILE', '', str, "Fast Downward's search, self-built")
 
 
 def prepare_files(options: argparse.Namespace) -> Preparation:

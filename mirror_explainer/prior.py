@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
+from mirror_explainer import defaults
 from mirror_explainer.pddl import Task, goal_expression, literals
 from mirror_explainer.planning import Belief, BeliefSpace
 from mirror_explainer.user_model import CandidateGoal, UserModel
@@ -59,7 +60,9 @@ class _Factor:
         return {outcome for outcome, p in self.probability.items() if p} | {self.robot}
 
 
-def belief_prior(task: Task, user_model: UserModel, max_beliefs: int = 1024) -> Prior:
+def belief_prior(
+    task: Task, user_model: UserModel, max_beliefs: int = defaults.MAX_BELIEFS
+) -> Prior:
     """Enumerate the beliefs of a user model from the most probable down.
 
     At most `max_beliefs` are taken, and b_R always is one of them.

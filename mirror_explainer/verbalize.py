@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from mirror_explainer import defaults
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.explainer import Explanation, explain
 from mirror_explainer.offline import (
@@ -49,7 +50,7 @@ def _verbalize(options: argparse.Namespace) -> str:
     for warning in preparation.model.warnings:
         _log.warning('%s', warning)
     said = read_text(options.said).split('\n') if options.said else []
-    n = options.n if options.n is not None or options.threshold > 0 else 3
+    n = options.n if options.n is not None or options.threshold > 0 else defaults.SENTENCES
     explanation = explain(
         preparation,
         strategy=options.strategy,
@@ -146,7 +147,7 @@ def _parser() -> argparse.ArgumentParser:
     choice.add_argument(
         '-n',
         type=whole(1),
-        help='how many sentences (default 3; with --threshold as many as needed)',
+        help=f'sentences, at most (default {defaults.SENTENCES}; with --threshold no limit)',
     )
     choice.add_argument(
         '--threshold', type=number(0), default=0.0, metavar='NATS',
@@ -154,7 +155,11 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     choice.add_argument('--strategy', choices=STRATEGIES, default='informative')
     choice.add_argument(
-        '--selection-budget', type=number(0), default=0.5, metavar='S', help='default 0.5 s'
+        '--selection-budget',
+        type=number(0),
+        default=defaults.SELECTION_BUDGET,
+        metavar='S',
+        help='to prove the best choice (default %(default)s)',
     )
     add_planning_arguments(parser)
     output = parser.add_argument_group('output')

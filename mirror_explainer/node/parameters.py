@@ -2,6 +2,7 @@
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
+from mirror_explainer import defaults
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.strategies import STRATEGIES
 
@@ -29,7 +30,7 @@ def _number(
 PARAMETERS = (
     ('domain_file', '', _text('PDDL domain; a message on "domain" replaces it', True)),
     ('user_model_file', '', _text('YAML: what the listener may believe')),
-    ('n', 3, _count('how many sentences an answer has at most', 1, 1000)),
+    ('n', defaults.SENTENCES, _count('how many sentences an answer has at most', 1, 1000)),
     (
         'threshold',
         0.0,
@@ -37,15 +38,35 @@ PARAMETERS = (
     ),
     ('strategy', 'informative', _text(f'one of {", ".join(STRATEGIES)}')),
     ('remember', False, _text('whether each answer conditions the next')),
-    ('planner', 'fast-downward-opt', _text("a unified-planning engine's name", True)),
-    ('plans_per_belief', 300, _count('optimal plans of a belief, at most', 1, 10_000)),
-    ('max_beliefs', 1024, _count('most probable beliefs to plan for', 1, 1_000_000)),
-    ('planning_timeout', 10.0, _number('s, for each belief', 1e-3, 1e6, True)),
-    ('deadline', 60.0, _number('s, for the planning of a whole update', 1e-3, 1e6)),
-    ('selection_budget', 0.5, _number('s, to prove the best choice', 1e-3, 1.0)),
+    ('planner', defaults.PLANNER, _text("a unified-planning engine's name", True)),
+    (
+        'plans_per_belief',
+        defaults.PLANS_PER_BELIEF,
+        _count('optimal plans of a belief, at most', 1, 10_000),
+    ),
+    (
+        'max_beliefs',
+        defaults.MAX_BELIEFS,
+        _count('most probable beliefs to plan for', 1, 1_000_000),
+    ),
+    (
+        'planning_timeout',
+        defaults.PLANNING_TIMEOUT,
+        _number('s, for each belief', 1e-3, 1e6, True),
+    ),
+    ('deadline', defaults.DEADLINE, _number('s, for the planning of a whole update', 1e-3, 1e6)),
+    (
+        'selection_budget',
+        defaults.SELECTION_BUDGET,
+        _number('s, to prove the best choice', 1e-3, 1.0),
+    ),
     ('answer_timeout', 5.0, _number('s, that a call waits for an update', 0, 1e6)),
-    ('workers', 2, _count('planning processes at a time', 1, 256, True)),
-    ('planner_memory_limit', 1024, _count('MiB, for each search', 80, 1 << 24, True)),
+    ('workers', defaults.WORKERS, _count('planning processes at a time', 1, 256, True)),
+    (
+        'planner_memory_limit',
+        defaults.MEMORY_LIMIT,
+        _count('MiB, for each search', 80, 1 << 24, True),
+    ),
     (
         'max_message_bytes',
         InputLimits.max_message_bytes,

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
 
+from mirror_explainer import defaults
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import (
     Belief,
@@ -50,11 +51,11 @@ class Planner:
 
     def __init__(
         self,
-        engine: str = 'fast-downward-opt',
+        engine: str = defaults.PLANNER,
         *,
-        workers: int = 2,
-        planning_timeout: float = 10.0,
-        memory_limit: int = 1024,
+        workers: int = defaults.WORKERS,
+        planning_timeout: float = defaults.PLANNING_TIMEOUT,
+        memory_limit: int = defaults.MEMORY_LIMIT,
         downward_binary: str = '',
         shortcuts: bool = True,
     ) -> None:
