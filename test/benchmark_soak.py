@@ -23,6 +23,8 @@ from scipy.stats import theilslopes
 from tabulate import tabulate
 from usage import Usage, usage
 
+from mirror_explainer.explainer_node import MOST_WAITING_CALLS, THREADS
+
 NAMESPACE = f'/soak_{os.getpid()}'
 BURST = 10
 RATE = 100.0  # Hz
@@ -38,8 +40,8 @@ COUNTS = ('threads', 'descriptors', 'children', 'files')
 def soak(folder: Path, rounds: int) -> Iterator[tuple[Usage, Verdict]]:
     """Send BURST updates and BURST calls at once, round after round; look at the node after each.
 
-    Each round ends with the answer to its last update. In the first round there are
-    MANY calls, which start most of the node's threads. rclpy must be initialised.
+    Each round ends with the answer to its last update. In the rounds of the warm-up there
+    are MANY calls, which start most of the node's threads. rclpy must be initialised.
     """
     user_model = folder / 'user_model.yaml'
     user_model.write_text(FEW_GOALS)
@@ -59,7 +61,7 @@ def soak(folder: Path, rounds: int) -> Iterator[tuple[Usage, Verdict]]:
         robot.send()
         peer.answer()
         for number in range(rounds):
-            callers.start('verbalize_plan', BURST if number else MANY, calls=1)
+            callers.start('verbalize_plan', MANY if number < WARM_UP else BURST, calls=1)
             robot.send_many(BURST, RATE)
             verdict = judge(callers.finish(), robot.times, right)
             while peer.call().message != right.to(robot.newest):
@@ -94,7 +96,8 @@ def not_flat(samples: Sequence[Usage]) -> list[str]:
     """Return what is not flat after the warm-up, in words.
 
     Memory is flat if it grows by less than the share GROWTH of its median. A count
-    is flat if its median is no higher in the second half than in the first.
+    is flat if its median is no higher in the second half than in the first, but for the
+    threads that calls do not wait in: the executor starts them when it happens to need them.
     """
     found = []
     for name in MEMORY:
@@ -105,7 +108,8 @@ def not_flat(samples: Sequence[Usage]) -> list[str]:
         values = steady(samples, name)
         half = len(values) // 2
         first, second = median(values[:half]), median(values[half:])
-        if second > first:
+        spare = THREADS - MOST_WAITING_CALLS if name == 'threads' else 0
+        if second > first + spare:
             found.append(f'{name}: {first} in the first half, {second} in the second')
     return found
 

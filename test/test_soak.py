@@ -28,7 +28,7 @@ FLAT = [Usage(200.0, 20.0, 79, 25, 1, 1, 0.0)] * (WARM_UP + 10)
     [
         lambda number: {'memory': 200.0 + 2 * number},
         lambda number: {'files_size': number / 10},
-        lambda number: {'threads': 79 + number // 5},
+        lambda number: {'threads': 79 + 2 * number},
         lambda number: {'descriptors': 25 + number},
         lambda number: {'children': 1 + number // 4},
     ],
