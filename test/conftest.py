@@ -52,6 +52,26 @@ def ros() -> Iterator[None]:
     rclpy.try_shutdown()
 
 
+# The files that take longest, for half a minute and more, or wait for most of their time.
+LONGEST = (
+    'test_operator_page.py',
+    'test_study_browser.py',
+    'test_explainer_node.py',
+    'test_faults_robot.py',
+    'test_study_people.py',
+    'test_faults_planner.py',
+    'test_experiments_pucrs.py',
+    'test_planning_processes.py',
+    'test_updates.py',
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest files, so that no process is left with one at the end."""
+    place = {name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path.name, len(LONGEST)))
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the option that reports the faults of the node's tests."""
     parser.addoption('--fault-table', type=Path, help='write a Markdown table of the faults here')

@@ -65,7 +65,7 @@ def fetch() -> Task:
 
 
 @settings(
-    max_examples=25,
+    max_examples=15,
     derandomize=True,
     deadline=None,
     suppress_health_check=list(HealthCheck),
@@ -92,7 +92,7 @@ def test_what_holds_by_random_axioms_is_what_brute_force_finds(seed: int) -> Non
 
 
 @settings(
-    max_examples=8,
+    max_examples=6,
     derandomize=True,
     deadline=None,
     suppress_health_check=list(HealthCheck),

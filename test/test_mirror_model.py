@@ -178,7 +178,7 @@ def subsets(positions: Iterable[int]) -> list[tuple[int, ...]]:
     ]
 
 
-@settings(max_examples=250, deadline=None, derandomize=True)
+@settings(max_examples=150, deadline=None, derandomize=True)
 @given(cases())
 def test_every_quantity_is_that_of_the_method_whatever_is_said(case: Case) -> None:
     written = Written(case)
@@ -209,7 +209,7 @@ def test_every_quantity_is_that_of_the_method_whatever_is_said(case: Case) -> No
         )
 
 
-@settings(max_examples=250, deadline=None, derandomize=True)
+@settings(max_examples=150, deadline=None, derandomize=True)
 @given(cases(), st.data())
 def test_the_evidence_given_what_was_said_tells_the_same_gains(
     case: Case, data: st.DataObject
@@ -259,7 +259,7 @@ def gains(model: MirrorModel) -> list[float]:
     return [model.information_gain(observed) for observed in subsets(range(len(model.sentences)))]
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=50, deadline=None, derandomize=True)
 @given(cases(), st.permutations(range(3)))
 def test_permuting_the_candidate_goals_changes_no_gain(case: Case, order: list[int]) -> None:
     permuted = replace(
@@ -274,7 +274,7 @@ def test_permuting_the_candidate_goals_changes_no_gain(case: Case, order: list[i
     assert gains(permuted.model()) == pytest.approx(gains(case.model()), abs=1e-9)
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=50, deadline=None, derandomize=True)
 @given(cases())
 def test_renaming_objects_changes_no_gain(case: Case) -> None:
     def renamed(plan: Plan) -> Plan:
@@ -294,7 +294,7 @@ def test_renaming_objects_changes_no_gain(case: Case) -> None:
     assert gains(renamed_case.model(plain)) == pytest.approx(gains(case.model(plain)), abs=1e-9)
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=50, deadline=None, derandomize=True)
 @given(cases(), st.integers(0, 2))
 def test_splitting_a_goal_into_equal_halves_changes_no_gain(case: Case, goal: int) -> None:
     # The same plans in both halves: those of b_R with π_R among them.
@@ -322,7 +322,7 @@ def test_splitting_a_goal_into_equal_halves_changes_no_gain(case: Case, goal: in
     assert gains(split.model()) == pytest.approx(gains(whole.model()), abs=1e-9)
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=50, deadline=None, derandomize=True)
 @given(cases(), ACTIONS)
 def test_a_belief_of_probability_zero_changes_nothing(case: Case, actions: tuple) -> None:
     never = BeliefPlans(Status.SOLVED, (Plan(actions, 1.0),))
@@ -344,7 +344,7 @@ def test_a_belief_of_probability_zero_changes_nothing(case: Case, actions: tuple
         )
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=50, deadline=None, derandomize=True)
 @given(cases(), st.floats(0.01, 100))
 def test_the_scale_of_the_probabilities_changes_nothing(case: Case, scale: float) -> None:
     scaled = replace(case, beliefs=tuple((belief, scale * p) for belief, p in case.beliefs))

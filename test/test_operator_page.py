@@ -237,7 +237,7 @@ def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator,
     operator.goto(f'{shared.page.url}?follow=on')
     press(operator)
     expect(answer(operator)).to_have_text(SENTENCES)
-    with shared.robot(step_period=1.0, **{name: tmp_path / name for name in files}):
+    with shared.robot(step_period=0.5, **{name: tmp_path / name for name in files}):
         expect(operator.locator('#said')).to_contain_text('Nothing is left to do')
     expect(operator.locator('#currency')).to_have_text('')
     shared.peer.publish_warehouse()

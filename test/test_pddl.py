@@ -379,7 +379,7 @@ def mutated(text: str, mutations: list[tuple[int, int, str]]) -> str:
 
 
 @settings(
-    max_examples=100,
+    max_examples=60,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

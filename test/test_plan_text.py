@@ -280,7 +280,7 @@ PIECES = st.sampled_from(
 ) | st.text(max_size=6)
 
 
-@settings(max_examples=400, deadline=None, derandomize=True)
+@settings(max_examples=250, deadline=None, derandomize=True)
 @given(st.lists(st.tuples(st.integers(0, 100), st.integers(0, 20), PIECES), max_size=4))
 def test_whatever_the_text_only_input_errors_of_one_line_escape(
     task: Task, mutations: list[tuple[int, int, str]]

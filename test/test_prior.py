@@ -111,7 +111,7 @@ def enumerated(
     return probabilities, robot
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=120, deadline=None, derandomize=True)
 @given(user_models(), INITIALLY)
 def test_all_beliefs_have_the_probabilities_of_plain_enumeration(
     user_model: UserModel, initially: frozenset[str]
@@ -128,7 +128,7 @@ def test_all_beliefs_have_the_probabilities_of_plain_enumeration(
     assert sum(goal.probability for goal in prior.goals) == pytest.approx(1.0)
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=120, deadline=None, derandomize=True)
 @given(user_models(), INITIALLY, st.integers(1, 40))
 def test_a_limit_keeps_the_most_probable_beliefs_and_the_robots_own(
     user_model: UserModel, initially: frozenset[str], max_beliefs: int

@@ -22,7 +22,7 @@ from mirror_explainer.selection import (
 generated = settings(
     derandomize=True,
     deadline=None,
-    max_examples=60,
+    max_examples=40,
     suppress_health_check=[HealthCheck.too_slow],
 )
 

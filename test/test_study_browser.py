@@ -119,9 +119,9 @@ def test_a_whole_study_by_keyboard_through_reloads_and_a_killed_server(
             while 'Thank you' not in page.title():
                 go_on(page, given, random)
                 focused(page)
+            assert violations(page) == []
             for width, height in SCREENS.values():
                 page.set_viewport_size({'width': width, 'height': height})
-                assert violations(page) == []
                 assert overflow(page) <= 0
             cells = page.locator('tbody td').all_inner_texts()
 
