@@ -1,6 +1,6 @@
 """The fast way finds what Fast Downward finds when it is called plainly on each belief.
 
-MIRROR_EXPLAINER_BELIEFS sets how many random beliefs are tried (512 without).
+MIRROR_EXPLAINER_BELIEFS sets how many random beliefs are tried (320 without).
 """
 
 import os
@@ -24,8 +24,8 @@ from mirror_explainer.experiments.pucrs_dataset import find_instances
 from mirror_explainer.planning import Planner
 
 BELIEFS_A_SPACE = 16  # 2 goals, 3 uncertain facts
-BELIEFS_A_ROUND = 512
-ROUNDS = -(-int(os.environ.get('MIRROR_EXPLAINER_BELIEFS', '512')) // BELIEFS_A_ROUND)
+BELIEFS_A_ROUND = 320
+ROUNDS = -(-int(os.environ.get('MIRROR_EXPLAINER_BELIEFS', '320')) // BELIEFS_A_ROUND)
 PUCRS = os.environ.get('MIRROR_EXPLAINER_PUCRS', '')
 
 

@@ -116,7 +116,7 @@ def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(
     played, outcome, plans, period
 ):
     # Every work is overtaken by newer inputs while it goes on.
-    robot = played(lambda inputs, stop: time.sleep(0.2) or outcome)
+    robot = played(lambda inputs, stop: time.sleep(0.1) or outcome)
     robot.stream(period, plans)
 
     heard = robot.updates.wait(PATIENCE)
