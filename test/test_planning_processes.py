@@ -41,7 +41,7 @@ def test_cancelling_ends_the_search_and_leaves_none_running(engine: str, shortcu
         time.sleep(2.0 if 'py' in engine else 0.2)  # pyperplan searches within the worker
         sessions = child_sessions() - before
         cancelled.set()
-        asking.join(timeout=5.0)
+        asking.join(timeout=60.0)
 
         assert isinstance(asking.error, Cancelled)
         assert not searches_of(sessions)
@@ -61,7 +61,7 @@ def test_closing_from_another_thread_cancels_and_leaves_no_process_or_file(
     assert wait_until(lambda: searches_of(child_sessions() - before))
     sessions = child_sessions() - before
     planner.close()
-    asking.join(timeout=5.0)
+    asking.join(timeout=60.0)
 
     assert isinstance(asking.error, Cancelled)
     assert child_sessions() == before
@@ -177,7 +177,7 @@ def test_newer_input_is_answered_right_after_older_work_is_cancelled(planner: Pl
     time.sleep(0.3)
     cancelled.set()
     report = planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)])
-    asking.join(timeout=5.0)
+    asking.join(timeout=60.0)
 
     assert isinstance(asking.error, Cancelled)
     assert [result.plans[0].cost for result in report.results] == [8, 3]
@@ -195,7 +195,7 @@ def test_two_questions_at_once_are_both_answered_right(planner: Planner) -> None
     other = threading.Thread(target=ask, args=('cut', changed))
     other.start()
     ask('raw', TOOLS)
-    other.join(timeout=20.0)
+    other.join(timeout=60.0)
 
     assert costs == {'raw': [8, 8, 8], 'cut': [1, 1, 1]}
 
@@ -219,7 +219,7 @@ def test_a_search_that_is_killed_is_searched_again() -> None:
         time.sleep(0.3)  # beyond the first try
         for search in searches_of(child_sessions() - before):
             os.kill(search, signal.SIGKILL)
-        asking.join(timeout=20.0)
+        asking.join(timeout=60.0)
         report = planner.plan(HARD, [Belief(0)])
 
     assert asking.error is None
@@ -234,7 +234,7 @@ def test_a_worker_killed_in_the_middle_of_a_search_is_replaced() -> None:
         assert wait_until(lambda: searches_of(child_sessions() - before))
         for session in child_sessions() - before:
             os.kill(session, signal.SIGKILL)
-        asking.join(timeout=20.0)
+        asking.join(timeout=60.0)
         report = planner.plan(HARD, [Belief(0), Belief(1)])
 
     assert asking.error is None

@@ -122,6 +122,12 @@ def test_the_token_never_sends_a_browser_elsewhere(guarded):
     assert ask(guarded, f'//evil.example/?token={TOKEN}').headers['Location'] == '/'
 
 
+def test_what_else_the_address_asks_for_outlasts_the_token(guarded):
+    response = ask(guarded, f'/?token={TOKEN}&follow=on&said=a%26b')
+
+    assert response.headers['Location'] == '/?follow=on&said=a%26b'
+
+
 def test_a_form_from_elsewhere_is_refused(site):
     page = ask(site)
     cookie = page.headers['Set-Cookie'].split(';')[0]

@@ -57,7 +57,7 @@ def sequential_texts(model: up.Problem, axioms: Axioms | None, texts: Texts) -> 
     try:
         compiled = compiler.compile(model, CompilationKind.TIMED_TO_SEQUENTIAL).problem
     except UPException as error:
-        raise InputError(source, f'its durative actions cannot be compiled: {error}') from (error)
+        raise InputError(source, f'its durative actions cannot be compiled: {error}') from error
     for action in durative:
         _mend(compiled.action(action.name), action)
     require_no_concurrency(model, compiled, source, lines)

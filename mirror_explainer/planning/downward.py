@@ -124,7 +124,7 @@ def find_downward(named: str) -> str | None:
             raise PlanningError(
                 "Fast Downward's translator is not installed, and the program named as "
                 'downward_binary is of no use without it',
-                cure='pip install fast-downward-translate',
+                cure="pip install 'fast-downward-translate>=26.6,<27'",
             )
         if not os.access(named, os.X_OK) or Path(named).is_dir():
             raise PlanningError(

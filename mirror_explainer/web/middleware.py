@@ -41,7 +41,10 @@ def access(get_response: Handler) -> Handler:
 
     def handle(request: HttpRequest) -> HttpResponse:
         if constant_time_compare(request.GET.get('token', ''), token):
-            response = HttpResponseRedirect('/')  # so that no history or referrer has the token
+            # So that no history or referrer has the token.
+            others = request.GET.copy()
+            del others['token']
+            response = HttpResponseRedirect(f'/?{others.urlencode()}' if others else '/')
             response.set_cookie(name, proof, httponly=True, samesite='Lax')
             return response
         known = constant_time_compare(request.COOKIES.get(name, ''), proof)
