@@ -404,7 +404,7 @@ def test_the_deadline_leaves_one_plan_a_belief() -> None:
             report = other.plan(
                 space, every_belief(space), plans_per_belief=MANY, deadline=deadline
             )
-        assert not searches_of(mine)
+        assert wait_until(lambda: not searches_of(mine))
     assert [result.status for result in report.results] == [Status.SOLVED] * 2
     assert [r.plans[0].cost for r in report.results] == [r.plans[0].cost for r in one]
 
