@@ -1,5 +1,8 @@
 """The package's errors: few, named, and worded for the person who must act on them."""
 
+import difflib
+from collections.abc import Iterable
+
 # Room for every fault of a long user model, and for no text that was taken for a name.
 LONGEST_WORD = 200
 LONGEST_MESSAGE = 4000
@@ -58,6 +61,15 @@ class PlanningError(RuntimeError):
 
 class Cancelled(Exception):
     """The work was stopped on request: newer input came, or the program ends."""
+
+
+def did_you_mean(name: str, names: Iterable[str], *, cutoff: float = 0.6) -> str:
+    """Return ' (did you mean "…"?)' with the closest of the names, '' if none is close.
+
+    `cutoff` is how alike two names must be, from 0 to 1 (difflib's ratio).
+    """
+    close = difflib.get_close_matches(name, names, n=1, cutoff=cutoff)
+    return f' (did you mean "{close[0]}"?)' if close else ''
 
 
 def told(error: Exception) -> str:

@@ -4,7 +4,6 @@ Section 4 of the paper: a categorical distribution over goals, and a Bernoulli
 variable for each uncertain fact; here also groups of which exactly one fact holds.
 """
 
-import difflib
 import heapq
 import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
@@ -13,6 +12,7 @@ from itertools import islice
 from typing import Any
 
 from mirror_explainer import defaults
+from mirror_explainer.errors import did_you_mean
 from mirror_explainer.pddl import Task, goal_expression, literals
 from mirror_explainer.planning import Belief, BeliefSpace
 from mirror_explainer.user_model import CandidateGoal, UserModel
@@ -159,11 +159,9 @@ def _misspelt_objects(task: Task, user_model: UserModel) -> Iterator[str]:
     if len(missing) * len(unnamed) > _MOST_COMPARISONS:
         return
     for name in missing:
-        for close in difflib.get_close_matches(name, unnamed, n=1, cutoff=0.8):
-            yield (
-                f'the user model names the object "{name}", which the problem does not have '
-                f'(did you mean "{close}"?)'
-            )
+        if hint := did_you_mean(name, unnamed, cutoff=0.8):
+            reason = f'the user model names the object "{name}", which the problem does not have'
+            yield reason + hint
 
 
 def _fact_factors(user_model: UserModel, initial_facts: frozenset[str]) -> Iterator[_Factor]:

@@ -1,6 +1,5 @@
 """The form of a user model's YAML file: its keys and types, and the place of what is wrong."""
 
-import difflib
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +8,7 @@ from typing import Annotated, Any
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, did_you_mean
 
 
 class _Section(BaseModel):
@@ -175,8 +174,7 @@ def schema_reason(detail: Mapping[str, Any]) -> str:
     if detail['type'] == 'extra_forbidden':
         key = detail['loc'][-1]
         known = UserModelFile.model_fields if len(detail['loc']) == 1 else ()
-        close = difflib.get_close_matches(str(key), known, n=1)
-        return f'unknown key (did you mean "{close[0]}"?)' if close else 'unknown key'
+        return 'unknown key' + did_you_mean(str(key), known)
     if detail['type'] == 'missing':
         return 'this key is missing'
     if detail['type'] == 'float_type' and isinstance(detail['input'], str):

@@ -52,6 +52,16 @@ def ros() -> Iterator[None]:
     rclpy.try_shutdown()
 
 
+@pytest.fixture
+def peer(ros: None) -> Iterator[object]:
+    """A peer of a robot's nodes in a namespace of its own, so that no test hears another."""
+    from ros_peer import Peer, new_namespace
+
+    peer = Peer(new_namespace())
+    yield peer
+    peer.close()
+
+
 # The files that take longest, for half a minute and more, or wait for most of their time.
 LONGEST = (
     'test_operator_page.py',

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-import psutil
 from pddl_cases import gripper
 
 from mirror_explainer.planning import Belief, BeliefSpace, Planner
@@ -46,12 +45,6 @@ def child_sessions(of: int = os.getpid()) -> set[int]:
 def searches_of(sessions: set[int]) -> list[int]:
     """Return what runs in the sessions besides their leaders."""
     return [pid for session in sessions for pid in processes_of(session) if pid != session]
-
-
-def processor_seconds_of(pid: int) -> float:
-    """Return the processor time that a process itself has taken."""
-    times = psutil.Process(pid).cpu_times()
-    return times.user + times.system
 
 
 class Asking(threading.Thread):

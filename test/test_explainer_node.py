@@ -34,14 +34,6 @@ from ros_peer import (
 pytestmark = pytest.mark.usefixtures('ros')
 
 
-@pytest.fixture
-def peer() -> Iterator[Peer]:
-    """A peer in a namespace of its own, so that no test hears another."""
-    peer = Peer(new_namespace())
-    yield peer
-    peer.close()
-
-
 @pytest.fixture(scope='module')
 def long_running(ros: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[object]:
     """A robot that latched its plan, and a node started after it, for all that can share them."""

@@ -6,7 +6,6 @@ import os
 import shutil
 import signal
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,21 +13,13 @@ import pytest
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
 from faults import FaultTable, injected
-from ros_peer import THREE_SENTENCES, Peer, Process, explainer, new_namespace
+from ros_peer import THREE_SENTENCES, Peer, Process, explainer
 
 pytestmark = pytest.mark.usefixtures('ros')
 needs_disk = pytest.mark.skipif(
     subprocess.run(['unshare', '-rm', 'true'], capture_output=True).returncode != 0,
     reason='needs a mount namespace of its own',
 )
-
-
-@pytest.fixture
-def peer() -> Iterator[Peer]:
-    """A peer in a namespace of its own, so that no test hears another."""
-    peer = Peer(new_namespace())
-    yield peer
-    peer.close()
 
 
 class Disk:

@@ -3,7 +3,6 @@
 import signal
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,7 +20,6 @@ from ros_peer import (
     eventually,
     explainer,
     last_diagnostic,
-    new_namespace,
     running,
 )
 
@@ -32,14 +30,6 @@ LOW_BATTERY = {
     'plan_file': CONFIG / 'low_battery_plan.txt',
 }
 NOTHING_LEFT = 'Nothing is left to do: my goal is reached.'
-
-
-@pytest.fixture
-def peer() -> Iterator[Peer]:
-    """A peer in a namespace of its own, so that no test hears another."""
-    peer = Peer(new_namespace())
-    yield peer
-    peer.close()
 
 
 def robot(peer: Peer, folder: Path, **parameters: object):

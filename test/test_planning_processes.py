@@ -20,10 +20,10 @@ from processes import (
     Asking,
     child_sessions,
     processes_of,
-    processor_seconds_of,
     searches_of,
     wait_until,
 )
+from usage import processor_seconds
 
 from mirror_explainer.errors import Cancelled, InputError, PlanningError
 from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
@@ -37,6 +37,11 @@ def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
         yield planner
 
 
+def own_seconds(pids: set[int]) -> float:
+    """Return the processor time that processes themselves have taken."""
+    return sum(processor_seconds(pid)[0] for pid in pids)
+
+
 @pytest.mark.parametrize(
     ('engine', 'shortcuts'),
     [('fast-downward-opt', True), ('fast-downward-opt', False), ('pyperplan-opt', False)],
@@ -46,15 +51,11 @@ def test_cancelling_ends_the_search_and_leaves_none_running(engine: str, shortcu
     with Planner(engine, shortcuts=shortcuts, planning_timeout=60.0) as planner:
         planner.plan(HARD, [Belief(1)])  # so that its process is up
         sessions = child_sessions() - before
-        idle = sum(map(processor_seconds_of, sessions))
+        idle = own_seconds(sessions)
         asking = Asking(planner, HARD, cancelled)
         # pyperplan searches within the worker: that it works is all there is to see.
         assert wait_until(
-            lambda: (
-                sum(map(processor_seconds_of, sessions)) > idle + 0.2
-                if 'py' in engine
-                else searches_of(sessions)
-            )
+            lambda: own_seconds(sessions) > idle + 0.2 if 'py' in engine else searches_of(sessions)
         )
         cancelled.set()
         asking.join(timeout=60.0)

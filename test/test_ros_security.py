@@ -39,13 +39,6 @@ pytestmark = pytest.mark.usefixtures('ros')
 Answered = tuple[Peer, Process]
 
 
-@pytest.fixture
-def peer() -> Iterator[Peer]:
-    peer = Peer(new_namespace())
-    yield peer
-    peer.close()
-
-
 def allowed(enclave: str, namespace: str) -> dict[str, set[str]]:
     """Return the full names that the policy allows to an enclave's node in a namespace."""
     found = ElementTree.parse(POLICY).find(f'enclaves/enclave[@path="{enclave}"]/profiles/profile')

@@ -4,7 +4,6 @@ All that a condition names and the problem does not have is collected, so that
 one error can tell it all.
 """
 
-import difflib
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -13,7 +12,7 @@ import pyparsing
 import unified_planning.model as up
 from unified_planning.exceptions import UPException
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl.size import require_shallow
 
 # "(a (b c))" as nested lists of words. Without quoted strings, which PDDL does not have, it is
@@ -112,8 +111,7 @@ class Expressions:
         return bound
 
     def _fault(self, reason: str, name: str = '', names: Iterable[str] = ()) -> up.FNode:
-        close = difflib.get_close_matches(name, names, n=1)
-        self.faults.append(f'{reason} (did you mean "{close[0]}"?)' if close else reason)
+        self.faults.append(reason + did_you_mean(name, names))
         return self._manager.TRUE()
 
 
