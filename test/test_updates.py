@@ -74,6 +74,19 @@ class Robot:
         self._stream = threading.Thread(target=submit_all)
         self._stream.start()
 
+    def wait_for_work(self) -> None:
+        """Wait until the first work has begun."""
+        end = time.monotonic() + PATIENCE
+        while not self.maker.made and time.monotonic() < end:
+            time.sleep(0.001)
+
+    def phases_told(self, count: int) -> list[Phase]:
+        """Return what was told, once it is so much: calls are answered a moment before."""
+        end = time.monotonic() + PATIENCE
+        while len(self.told) < count and time.monotonic() < end:
+            time.sleep(0.001)
+        return [state.phase for state in self.told]
+
     def close(self) -> None:
         self._ended.set()
         if self._stream:
@@ -125,7 +138,10 @@ def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(
     assert [state.message for state in robot.told][:1] in ([], [outcome.message])
 
 
-def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_rest(played):
+def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_rest(
+    monkeypatch, played
+):
+    monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
     # Each problem and plan may be halves of two updates.
     robot = played(lambda inputs, stop: time.sleep(0.4) or BAD)
     robot.stream(0.01, 'plan {}')
@@ -137,15 +153,15 @@ def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_r
     assert robot.told == []
 
 
-def test_a_plan_that_comes_long_before_its_problem_is_not_told_to_be_wrong(played):
+def test_a_plan_that_comes_long_before_its_problem_is_not_told_to_be_wrong(monkeypatch, played):
+    monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
     robot = played(lambda inputs, stop: BAD if inputs.problem.text == 'old' else READY)
     robot.submit('plan', 'old')
-    while not robot.maker.made:
-        time.sleep(0.001)
+    robot.wait_for_work()
     robot.submit('plan', 'new')
 
     assert robot.updates.wait(PATIENCE).phase is Phase.READY
-    assert [state.phase for state in robot.told] == [Phase.READY]
+    assert robot.phases_told(1) == [Phase.READY]
 
 
 def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
@@ -153,25 +169,28 @@ def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
         lambda inputs, stop: until_stopped(inputs, stop) if inputs.plan.text == 'old' else READY
     )
     robot.submit('old')
-    while not robot.maker.made:
-        time.sleep(0.001)
+    robot.wait_for_work()
     robot.submit('new')
 
     heard = robot.updates.wait(PATIENCE)
 
     assert heard.phase is Phase.READY
     assert heard.inputs.plan.text == 'new'
-    assert [state.inputs.plan.text for state in robot.told] == ['new']
+    assert robot.phases_told(1) == [Phase.READY]
+    assert robot.told[0].inputs.plan.text == 'new'
 
 
 def test_no_work_goes_on_for_longer_than_calls_wait(monkeypatch, played):
-    monkeypatch.setattr(module, 'SETTLING_SECONDS', 0.0)
     graces = []
     monkeypatch.setattr(StopRequest, 'after', lambda stop, seconds: graces.append(seconds))
-    robot = played(lambda inputs, stop: READY)
-    for overtaken in range(12):
+    goes_on = threading.Event()
+    robot = played(lambda inputs, stop: goes_on.wait(PATIENCE) and READY)
+    robot.submit('plan')
+    robot.wait_for_work()
+    for overtaken in range(1, 12):
         robot.updates._overtaken = overtaken
         robot.submit(f'plan {overtaken}')
+    goes_on.set()
 
     assert graces[:5] == [0.0, 1.0, 2.0, 4.0, 5.0]
     assert max(graces) == 5.0
@@ -179,6 +198,7 @@ def test_no_work_goes_on_for_longer_than_calls_wait(monkeypatch, played):
 
 def test_a_file_is_read_once_it_has_been_left_alone(monkeypatch, played, tmp_path: Path):
     monkeypatch.setattr(module, 'FILE_SETTLING_SECONDS', 1.0)
+    monkeypatch.setattr(module, 'LONGEST_FILE_SETTLING_SECONDS', PATIENCE)
     file = tmp_path / 'user_model.yaml'
     file.write_text('0')
     texts = []
@@ -251,15 +271,22 @@ def test_a_listener_that_fails_changes_nothing(played):
 
 def test_an_error_that_may_pass_is_tried_again_by_a_call_and_told_once(monkeypatch, played):
     monkeypatch.setattr('mirror_explainer.node.retries.CALL_SECONDS', 0.0)
+    # Only calls bring another attempt; they do not before it is as long ago as the last one took.
+    monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 10 * PATIENCE)
     outcomes = [BROKEN, BROKEN, READY]
     robot = played(lambda inputs, stop: outcomes[min(len(robot.maker.made), 3) - 1])
     robot.submit('plan')
 
-    heard = [robot.updates.wait(PATIENCE).phase for _ in range(3)]
+    heard = [robot.updates.wait(PATIENCE).phase]
+    end = time.monotonic() + PATIENCE
+    while heard[-1] is Phase.ERROR and time.monotonic() < end:
+        heard.append(robot.updates.wait(PATIENCE).phase)
+        time.sleep(0.001)
 
     assert heard[0] is Phase.ERROR
     assert heard[-1] is Phase.READY
-    assert [state.phase for state in robot.told] == [Phase.ERROR, Phase.READY]
+    assert len(robot.maker.made) == 3
+    assert robot.phases_told(2) == [Phase.ERROR, Phase.READY]
 
 
 def test_closing_frees_who_waits_and_closes_the_maker(played):
