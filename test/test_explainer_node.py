@@ -327,13 +327,13 @@ def test_a_signal_in_the_middle_of_planning_ends_node_and_planners(peer, tmp_pat
 def test_the_demo_robot_is_explained_at_every_step_until_nothing_is_left(peer, tmp_path):
     with explainer(peer, tmp_path, n=1):
         peer.failure('waiting for')  # it is ready before the robot's first step
-        with running('warehouse_robot', peer.node.get_namespace(), tmp_path, step_period=0.5):
+        with running('warehouse_robot', peer.node.get_namespace(), tmp_path, step_period=1.2):
             answers = [peer.answer()]
             while answers[-1] != 'Nothing is left to do: my goal is reached.':
                 response = peer.call()
                 if response.success and response.message != answers[-1]:
                     answers.append(response.message)
                 assert len(answers) < 20, answers
-                time.sleep(0.05)
+                time.sleep(0.1)
     assert answers[0] == 'I will exit from the bottom door.'
     assert len(answers) >= 2

@@ -291,7 +291,7 @@ def test_all_optimal_plans_are_found(planner: Planner) -> None:
     counts: list[int | None] = []
 
     @settings(
-        max_examples=12,
+        max_examples=8,
         derandomize=True,
         deadline=None,
         suppress_health_check=list(HealthCheck),
