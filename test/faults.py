@@ -40,7 +40,7 @@ LEVELS = {b'\0': 'OK', b'\1': 'WARN', b'\2': 'ERROR'}
 def diagnosed(peer: Peer, message: str) -> str:
     """Wait until the diagnostics have the message; return their level."""
     eventually(
-        lambda: peer.diagnostics and message in last_diagnostic(peer)['message'],
+        lambda: message in last_diagnostic(peer)['message'],
         f'diagnostics with "{message}"',
     )
     return LEVELS[bytes(last_diagnostic(peer)['level'])]

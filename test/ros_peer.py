@@ -332,8 +332,8 @@ def explainer(peer: Peer, folder: Path, **parameters: object) -> AbstractContext
 
 
 def last_diagnostic(peer: Peer) -> dict[str, str]:
-    """Return the newest diagnostics' values, with its level and message."""
-    status = peer.diagnostics[-1]
+    """Return the newest diagnostics' values, with its level and message; wait for the first."""
+    status = eventually(lambda: peer.diagnostics, 'diagnostics')[-1]
     return {value.key: value.value for value in status.values} | {
         'level': status.level,
         'message': status.message,

@@ -84,7 +84,7 @@ def test_one_sentence_names_the_exit(operator: Preparation) -> None:
 
 
 def test_two_sentences_name_the_two_grabs(operator: Preparation) -> None:
-    told = explain(operator, n=2).as_dict()
+    told = explain(operator, n=2, selection_budget=None).as_dict()
 
     # 3 goals have both objects, by plans of 10, 10 and 11 actions:
     # log 1/100 − log((2/100 + 1/121)/30) = log(30/2.83)

@@ -32,6 +32,7 @@ def test_the_informative_choice_is_never_below_the_baselines(domain: str, tmp_pa
     status = main(
         ['--domain', f'{instance}/domain.pddl', '--problem', str(problem), *few]
         + ['--user-model', str(user_model), '--json', '--curve', '--output', str(answer)]
+        + ['--selection-budget', '60']  # s, far more than it takes
     )
 
     told = json.loads(answer.read_text())

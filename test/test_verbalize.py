@@ -18,6 +18,7 @@ PACKAGES_OF_ROS = ('rclpy', 'std_msgs', 'std_srvs', 'rcl_interfaces', 'diagnosti
 EXIT = 'I will exit from the bottom door.'
 CUBE = 'I will grab a blue cube.'
 CIRCLE = 'I will grab a red circle.'
+PATIENCE = 60  # s, far more than anything takes
 
 
 @pytest.fixture(scope='module')
@@ -65,7 +66,7 @@ def command(without_ros: dict[str, str], warehouse: Path):
             capture_output=True,
             text=True,
             encoding='utf-8',
-            timeout=100,
+            timeout=2 * PATIENCE,
         )
         return Done(done.returncode, done.stdout, done.stderr)
 
@@ -109,7 +110,8 @@ def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(command
 
 
 def test_json_has_everything_the_order_and_the_curve_too(command) -> None:
-    done = command('--json', '--order', '--curve', user_model='visitor.yaml')
+    proving = ('--selection-budget', PATIENCE)
+    done = command('--json', '--order', '--curve', *proving, user_model='visitor.yaml')
 
     assert (done.returncode, done.stderr) == (0, '')
     told = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f'{name} is no JSON'))
