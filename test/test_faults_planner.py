@@ -241,7 +241,7 @@ def test_killed_searches_and_workers_are_replaced_and_no_wrong_answer_comes(
         def kill_until_told(find: Callable[[], set[int]], message: str) -> Callable[[], None]:
             def kill() -> None:
                 publish(*hard)
-                while not (peer.diagnostics and message in last_diagnostic(peer)['message']):
+                while message not in last_diagnostic(peer)['message']:
                     found = find()
                     for pid in found:
                         with contextlib.suppress(ProcessLookupError):

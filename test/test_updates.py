@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from processes import wait_until
 
 from mirror_explainer.node import updates as module
 from mirror_explainer.node.state import Inputs, Phase, State, Text
@@ -76,15 +77,11 @@ class Robot:
 
     def wait_for_work(self) -> None:
         """Wait until the first work has begun."""
-        end = time.monotonic() + PATIENCE
-        while not self.maker.made and time.monotonic() < end:
-            time.sleep(0.001)
+        assert wait_until(lambda: self.maker.made)
 
     def phases_told(self, count: int) -> list[Phase]:
         """Return what was told, once it is so much: calls are answered a moment before."""
-        end = time.monotonic() + PATIENCE
-        while len(self.told) < count and time.monotonic() < end:
-            time.sleep(0.001)
+        assert wait_until(lambda: len(self.told) >= count)
         return [state.phase for state in self.told]
 
     def close(self) -> None:
