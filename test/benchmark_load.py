@@ -18,11 +18,12 @@ import numpy as np
 import rclpy
 from crowd import MANY_CALLS, Crowd, crowd
 from parcels import DOMAIN, RightAnswers, right_answers
+from patience import eventually
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from robot_stream import RobotStream, Verdict, judge
-from ros_peer import USER_MODEL, Peer, Process, eventually, last_diagnostic, started
+from ros_peer import USER_MODEL, Peer, Process, last_diagnostic, started
 from std_srvs.srv import Trigger
 from tabulate import tabulate
 from usage import processor_seconds

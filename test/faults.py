@@ -9,7 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ros_peer import Peer, eventually, last_diagnostic
+from patience import eventually
+from ros_peer import Peer, last_diagnostic
 
 _HEAD = """\
 | fault | what the caller hears | diagnostics | good again after |

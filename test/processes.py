@@ -2,16 +2,11 @@
 
 import os
 import threading
-import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
 
 from pddl_cases import gripper
 
 from mirror_explainer.planning import Belief, BeliefSpace, Planner
-
-T = TypeVar('T')
 
 HARD = BeliefSpace(*gripper(30)[:2], goals=(gripper(30)[2], '(robot-at there)'))
 
@@ -62,13 +57,3 @@ class Asking(threading.Thread):
             planner.plan(space, [Belief(0)], cancelled=cancelled)
         except Exception as error:
             self.error = error
-
-
-def wait_until(condition: Callable[[], T], seconds: float = 60.0) -> T | None:
-    """Return what the condition gives once that is true, None if it never is."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if value := condition():
-            return value
-        time.sleep(0.01)
-    return None

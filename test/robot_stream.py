@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 from crowd import Answer, Calls
 from parcels import RightAnswers, number_in, plan, problem
+from patience import PATIENCE
 from rclpy.duration import Duration
-from ros_peer import LATCHED, PATIENCE, Peer
+from ros_peer import LATCHED, Peer
 from std_msgs.msg import String
 
 NOT_READY = 'the explanation is not ready yet'

@@ -6,14 +6,14 @@ import os
 import signal
 import subprocess
 import threading
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import rclpy
 from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from patience import PATIENCE, eventually
 from rcl_interfaces.srv import ListParameters
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
@@ -35,8 +35,6 @@ THREE_SENTENCES = (
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)
-PATIENCE = 60.0  # s: far more than anything takes; only a hang runs into it
-
 
 _numbers = itertools.count()
 
@@ -44,17 +42,6 @@ _numbers = itertools.count()
 def new_namespace() -> str:
     """Return a namespace that no other test uses, so that no test hears another."""
     return f'/robot_{os.getpid()}_{next(_numbers)}'
-
-
-def eventually(condition: Callable[[], object], what: str) -> object:
-    """Wait until the condition is true, and return its value."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError(f'never came: {what}')
 
 
 class Peer:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
@@ -23,7 +24,6 @@ from ros_peer import (
     USER_MODEL,
     Peer,
     alive,
-    eventually,
     explainer,
     last_diagnostic,
     name_of,

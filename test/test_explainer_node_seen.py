@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import pytest
+from patience import PATIENCE, eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
@@ -11,13 +12,11 @@ from rcl_interfaces.msg import LoggerLevel
 from rcl_interfaces.srv import SetLoggerLevels
 from ros_peer import (
     DOMAIN,
-    PATIENCE,
     PLAN,
     PROBLEM,
     Call,
     Peer,
     Process,
-    eventually,
     explainer,
     last_diagnostic,
     new_namespace,

@@ -6,19 +6,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from patience import eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
 from faults import FaultTable, injected
-from ros_peer import (
-    THREE_SENTENCES,
-    USER_MODEL,
-    Peer,
-    eventually,
-    explainer,
-    last_diagnostic,
-    new_namespace,
-)
+from ros_peer import THREE_SENTENCES, USER_MODEL, Peer, explainer, last_diagnostic, new_namespace
 
 pytestmark = pytest.mark.usefixtures('ros')
 

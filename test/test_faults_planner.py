@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from patience import eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
@@ -19,7 +20,6 @@ from ros_peer import (
     THREE_SENTENCES,
     Peer,
     Process,
-    eventually,
     explainer,
     last_diagnostic,
     name_of,

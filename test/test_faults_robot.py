@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
+from patience import eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
@@ -17,7 +18,6 @@ from ros_peer import (
     THREE_SENTENCES,
     USER_MODEL,
     Peer,
-    eventually,
     explainer,
     last_diagnostic,
     running,

@@ -14,8 +14,9 @@ from random import Random
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from patience import eventually
 from pddl_cases import gripper, random_space
-from processes import child_sessions, searches_of, wait_until
+from processes import child_sessions, searches_of
 
 from mirror_explainer import pddl
 from mirror_explainer.errors import Cancelled
@@ -404,7 +405,7 @@ def test_the_deadline_leaves_one_plan_a_belief() -> None:
             report = other.plan(
                 space, every_belief(space), plans_per_belief=MANY, deadline=deadline
             )
-        assert wait_until(lambda: not searches_of(mine))
+        eventually(lambda: not searches_of(mine), 'the end of the searches')
     assert [result.status for result in report.results] == [Status.SOLVED] * 2
     assert [r.plans[0].cost for r in report.results] == [r.plans[0].cost for r in one]
 
@@ -440,7 +441,7 @@ def test_cancelling_while_alternatives_are_searched_leaves_nothing() -> None:
         cancelled.set()
         asking.join(60.0)
         assert [type(error) for error in errors] == [Cancelled]
-        assert wait_until(lambda: not searches_of(mine))
+        eventually(lambda: not searches_of(mine), 'the end of the searches')
         # The planner is good for more.
         [result] = planner.plan(errands(2, 1), [Belief(0)], plans_per_belief=2).results
         assert len(result.plans) == 1

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from patience import eventually
 from pddl_cases import WAREHOUSE_DOMAIN, WAREHOUSE_PROBLEM, gripper
-from processes import HARD, Asking, child_sessions, processes_of, searches_of, wait_until
+from processes import HARD, Asking, child_sessions, processes_of, searches_of
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning import Belief, BeliefSpace, Planner
@@ -69,7 +70,7 @@ def worker_and_search() -> Iterator[tuple[Seen, Seen]]:
     with Planner(planning_timeout=60.0, memory_limit=512) as planner:
         del os.environ['ROBOT_PASSWORD']
         asking = Asking(planner, HARD, cancelled)
-        assert wait_until(look)
+        eventually(look, 'a search that is limited')
         cancelled.set()
         asking.join()
     yield found[-1]
@@ -143,19 +144,19 @@ def test_a_program_killed_in_mid_search_leaves_neither_process_nor_file(
         env=os.environ | {'PYTHONPATH': str(Path(__file__).parents[1]), 'TMPDIR': str(tmp_path)},
     ) as program:
         # pyperplan searches within the worker: then there is no more to see than the worker.
-        sessions = wait_until(
+        sessions = eventually(
             lambda: (
                 (found := child_sessions(program.pid))
                 and list(tmp_path.iterdir())
                 and ('py' in engine or searches_of(found))
                 and found
-            )
+            ),
+            'a search',
         )
         program.kill()
 
-    assert sessions
-    assert wait_until(lambda: not any(processes_of(session) for session in sessions))
-    assert wait_until(lambda: not list(tmp_path.iterdir()))
+    eventually(lambda: not any(map(processes_of, sessions)), 'the end of the processes')
+    eventually(lambda: not list(tmp_path.iterdir()), 'the end of the files')
 
 
 def test_a_file_in_the_folder_of_temporary_files_adds_no_engine(

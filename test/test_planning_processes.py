@@ -14,15 +14,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from patience import eventually
 from pddl_cases import TOOLS, TOOLS_DOMAIN, TOOLS_PROBLEM, TOOLS_SHARP
-from processes import (
-    HARD,
-    Asking,
-    child_sessions,
-    processes_of,
-    searches_of,
-    wait_until,
-)
+from processes import HARD, Asking, child_sessions, processes_of, searches_of
 from usage import processor_seconds
 
 from mirror_explainer.errors import Cancelled, InputError, PlanningError
@@ -54,14 +48,18 @@ def test_cancelling_ends_the_search_and_leaves_none_running(engine: str, shortcu
         idle = own_seconds(sessions)
         asking = Asking(planner, HARD, cancelled)
         # pyperplan searches within the worker: that it works is all there is to see.
-        assert wait_until(
-            lambda: own_seconds(sessions) > idle + 0.2 if 'py' in engine else searches_of(sessions)
+        eventually(
+            lambda: (
+                own_seconds(sessions) > idle + 0.2 if 'py' in engine else searches_of(sessions)
+            ),
+            'a search',
         )
         cancelled.set()
         asking.join(timeout=60.0)
 
         assert isinstance(asking.error, Cancelled)
-        assert wait_until(lambda: not searches_of(sessions))  # the kernel takes its time to end it
+        # The kernel takes its time to end it.
+        eventually(lambda: not searches_of(sessions), 'the end of the search')
         assert 'py' not in engine or not sessions & child_sessions()
         # The planner is still good for the next question.
         easy = replace(HARD, goals=HARD.goals[1:])
@@ -76,14 +74,14 @@ def test_closing_from_another_thread_cancels_and_leaves_no_process_or_file(
     before = child_sessions()
     planner = Planner('fast-downward-opt', planning_timeout=60.0)
     asking = Asking(planner, HARD, threading.Event())
-    assert wait_until(lambda: searches_of(child_sessions() - before))
+    eventually(lambda: searches_of(child_sessions() - before), 'a search')
     sessions = child_sessions() - before
     planner.close()
     asking.join(timeout=60.0)
 
     assert isinstance(asking.error, Cancelled)
     assert child_sessions() == before
-    assert wait_until(lambda: not any(processes_of(session) for session in sessions))
+    eventually(lambda: not any(map(processes_of, sessions)), 'the end of the processes')
     assert not list(tmp_path.iterdir())
 
 
@@ -186,7 +184,7 @@ def test_the_workers_end_when_the_program_that_started_them_is_killed() -> None:
         program.kill()
 
     assert sessions
-    assert wait_until(lambda: not any(processes_of(session) for session in sessions))
+    eventually(lambda: not any(map(processes_of, sessions)), 'the end of the processes')
 
 
 def test_newer_input_is_answered_right_after_older_work_is_cancelled(planner: Planner) -> None:
@@ -233,7 +231,7 @@ def test_a_search_that_is_killed_is_searched_again() -> None:
     before = child_sessions()
     with Planner('fast-downward-opt', planning_timeout=2.0) as planner:
         asking = Asking(planner, HARD, threading.Event())
-        assert wait_until(lambda: searches_of(child_sessions() - before))
+        eventually(lambda: searches_of(child_sessions() - before), 'a search')
         time.sleep(0.3)  # beyond the first try
         for search in searches_of(child_sessions() - before):
             os.kill(search, signal.SIGKILL)
@@ -249,7 +247,7 @@ def test_a_worker_killed_in_the_middle_of_a_search_is_replaced() -> None:
     before = child_sessions()
     with Planner('fast-downward-opt', planning_timeout=1.0) as planner:
         asking = Asking(planner, HARD, threading.Event())
-        assert wait_until(lambda: searches_of(child_sessions() - before))
+        eventually(lambda: searches_of(child_sessions() - before), 'a search')
         for session in child_sessions() - before:
             os.kill(session, signal.SIGKILL)
         asking.join(timeout=60.0)

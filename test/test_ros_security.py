@@ -8,22 +8,13 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE, eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from rclpy.node import NodeNameNonExistentError
-from ros_peer import (
-    PATIENCE,
-    THREE_SENTENCES,
-    USER_MODEL,
-    Peer,
-    Process,
-    eventually,
-    explainer,
-    new_namespace,
-    running,
-)
+from ros_peer import THREE_SENTENCES, USER_MODEL, Peer, Process, explainer, new_namespace, running
 
 POLICY = Path(get_package_share_directory('mirror_explainer')) / 'config/sros2/policy.xml'
 # A policy's element and attribute, and what rclpy calls it.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from processes import wait_until
+from patience import PATIENCE, eventually
 
 from mirror_explainer.node import updates as module
 from mirror_explainer.node.state import Inputs, Phase, State, Text
@@ -15,7 +15,6 @@ from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.text_files import TextFiles
 
-PATIENCE = 60.0  # s: only a hang runs into it
 READY = State(Phase.READY, 'ready', preparation='an answer')
 BAD = State(Phase.ERROR, 'bad plan', blamed='/plan')
 NO_MODEL = State(Phase.ERROR, 'no such file', blamed='user_model.yaml')
@@ -77,11 +76,11 @@ class Robot:
 
     def wait_for_work(self) -> None:
         """Wait until the first work has begun."""
-        assert wait_until(lambda: self.maker.made)
+        eventually(lambda: self.maker.made, 'the first work')
 
     def phases_told(self, count: int) -> list[Phase]:
         """Return what was told, once it is so much: calls are answered a moment before."""
-        assert wait_until(lambda: len(self.told) >= count)
+        eventually(lambda: len(self.told) >= count, f'{count} states told')
         return [state.phase for state in self.told]
 
     def close(self) -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE
 
 import mirror_explainer
 from mirror_explainer.verbalize import main
@@ -18,7 +19,6 @@ PACKAGES_OF_ROS = ('rclpy', 'std_msgs', 'std_srvs', 'rcl_interfaces', 'diagnosti
 EXIT = 'I will exit from the bottom door.'
 CUBE = 'I will grab a blue cube.'
 CIRCLE = 'I will grab a red circle.'
-PATIENCE = 60  # s, far more than anything takes
 
 
 @pytest.fixture(scope='module')
