@@ -312,6 +312,13 @@ TOUR_PROBLEM = """
   (:metric minimize (total-cost)))
 """
 NO_METRIC = ('(:metric minimize (total-cost))', '')
+COSTS_FROM_A_FUNCTION = (
+    [
+        ('(total-cost))\n', '(total-cost) - number (far ?x ?y - room) - number)\n'),
+        ('(total-cost) 2)', '(total-cost) (far ?x ?y))'),
+    ],
+    [('(= (total', '(= (far hall cellar) 4.5) (= (far hall gallery) 1) (= (total')],
+)
 FEATURES = {
     # What is changed in domain and problem; the cost of seeing the cellar without and with a key.
     'constants and negative conditions': (tour([]), None, 4.0),
@@ -331,18 +338,13 @@ FEATURES = {
         3.0,
     ),
     'decimal costs': (tour([('(total-cost) 2)', '(total-cost) 0.125)')]), None, 2.125),
-    'costs from a function': (
-        tour(
-            [
-                ('(total-cost))\n', '(total-cost) - number (far ?x ?y - room) - number)\n'),
-                ('(total-cost) 2)', '(total-cost) (far ?x ?y))'),
-            ],
-            [('(= (total', '(= (far hall cellar) 4.5) (= (far hall gallery) 1) (= (total')],
-        ),
-        None,
-        6.5,
-    ),
+    'costs from a function': (tour(*COSTS_FROM_A_FUNCTION), None, 6.5),
     'no metric': (tour([], [NO_METRIC]), None, 3.0),
+    'costs from a function that no metric asks for': (
+        tour(COSTS_FROM_A_FUNCTION[0], [*COSTS_FROM_A_FUNCTION[1], NO_METRIC]),
+        None,
+        3.0,
+    ),
     'total time without durations': (
         tour([], [('(total-cost)))', '(total-time)))')]),
         None,

@@ -66,17 +66,18 @@ def read_lists(
     constants += _closed(sections.pop(':objects', []))
     init = sections.get(':init', [])
     metric = sections.get(':metric')
-    values = _cost_values(domain, init) if metric else []
-    scale = _scale([*_increases(domain), *(value[2] for value in values)]) if metric else 1
-    factor = scale if metric else 0  # where nobody asks for costs, the translator wants integers
+    if not metric:
+        domain = _without_costs(domain)  # the translator wants a value for each all the same
+    values = _cost_values(domain, init)
+    scale = _scale([*_increases(domain), *(value[2] for value in values)])
     return Lists(
-        domain=_scaled(_with_constants(domain, constants), factor),
+        domain=_scaled(_with_constants(domain, constants), scale),
         goals=tuple(goals),
         facts=tuple(map(tuple, facts)),
         initial_facts=tuple(
             dict.fromkeys(tuple(fact) for fact in init if fact and fact[0] not in ('=', 'not'))
         ),
-        initial_numbers=tuple(_scaled(values, factor)),
+        initial_numbers=tuple(_scaled(values, scale)),
         metric=[':metric', *metric] if metric else None,
         scale=scale,
     )
@@ -148,10 +149,21 @@ def _with_constants(domain: list[Any], constants: list[Any]) -> list[Any]:
 def _increases(tree: Any) -> Iterator[Any]:
     """Yield what actions cost: a number, or the function whose value it is."""
     if isinstance(tree, list):
-        if len(tree) == 3 and tree[0] == 'increase' and _function(tree[1]) == _TOTAL_COST:
+        if _is_cost(tree):
             yield tree[2]
         for part in tree:
             yield from _increases(part)
+
+
+def _without_costs(tree: Any) -> Any:
+    """Return the tree with an empty effect for every one that raises the total cost."""
+    if not isinstance(tree, list):
+        return tree
+    return ['and'] if _is_cost(tree) else [_without_costs(part) for part in tree]
+
+
+def _is_cost(tree: list[Any]) -> bool:
+    return len(tree) == 3 and tree[0] == 'increase' and _function(tree[1]) == _TOTAL_COST
 
 
 def _cost_values(domain: list[Any], init: list[Any]) -> list[Any]:
