@@ -85,14 +85,68 @@ def test_closing_from_another_thread_cancels_and_leaves_no_process_or_file(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_killed_worker_is_replaced(planner: Planner) -> None:
+@pytest.mark.parametrize('shortcuts', [True, False], ids=['fast', 'one by one'])
+@pytest.mark.parametrize('ignored', [False, True], ids=['usual', 'SIGCHLD ignored'])
+def test_a_killed_worker_is_replaced(
+    request: pytest.FixtureRequest, shortcuts: bool, ignored: bool
+) -> None:
+    if ignored:  # as whoever starts the program may have it
+        usual = signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+        request.addfinalizer(lambda: signal.signal(signal.SIGCHLD, usual))
     before = child_sessions()
-    planner.plan(TOOLS, [Belief(0)])
-    for session in child_sessions() - before:
-        os.kill(session, signal.SIGKILL)
-    report = planner.plan(TOOLS, [Belief(0, TOOLS_SHARP)])
+    with Planner(workers=1, shortcuts=shortcuts) as planner:
+        planner.plan(TOOLS, [Belief(0)])
+        workers = child_sessions() - before
+        for worker in workers:
+            os.kill(worker, signal.SIGKILL)
+        eventually(lambda: not any(map(processes_of, workers)), 'the end of the workers')
+        report = planner.plan(TOOLS, [Belief(0, TOOLS_SHARP)])
 
+    assert len(workers) == 1
     assert report.results[0].plans[0].cost == 2 + 1
+
+
+def stopped_workers(before: set[int]) -> set[int]:
+    """Stop the workers started since, as a machine does that is out of memory; return them."""
+    workers = child_sessions() - before
+    for worker in workers:
+        os.kill(worker, signal.SIGSTOP)
+    return workers
+
+
+def test_a_worker_that_does_not_even_read_holds_up_nothing() -> None:
+    before = child_sessions()
+    # More than the buffer of its connection holds.
+    long = replace(TOOLS, problem=TOOLS.problem + '\n;' + 'x' * 900_000)
+    with Planner('fast-downward-opt') as planner:
+        stopped = stopped_workers(before)
+        report = planner.plan(long, [Belief(0)], deadline=0.2)
+        again = planner.plan(TOOLS, [Belief(0)])
+        assert not stopped & child_sessions()
+        stopped_workers(before)
+        asking = Asking(planner, long, threading.Event())
+        time.sleep(0.1)
+    asking.join(timeout=60.0)
+
+    assert report.results[0].status is Status.UNKNOWN
+    assert again.results[0].plans[0].cost == 8
+    assert isinstance(asking.error, Cancelled)
+    assert child_sessions() == before
+
+
+def test_without_a_folder_for_the_next_worker_that_is_what_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before = child_sessions()
+    with Planner('fast-downward-opt') as planner:
+        stopped_workers(before)
+        monkeypatch.setattr(tempfile, 'tempdir', '/nowhere')
+        report = planner.plan(TOOLS, [Belief(0)], deadline=0.2)
+
+        assert report.results[0].status is Status.UNKNOWN
+        with pytest.raises(PlanningError, match='there is no temporary folder to plan in'):
+            planner.plan(TOOLS, [Belief(0)])
+    assert child_sessions() == before
 
 
 def test_a_named_downward_program_is_used(tmp_path: Path) -> None:

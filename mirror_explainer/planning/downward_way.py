@@ -4,6 +4,7 @@ For the engine fast-downward-opt only. It finds the same optimal costs as the
 general way, with less work.
 """
 
+import contextlib
 import logging
 import time
 from collections.abc import Callable, Sequence
@@ -71,14 +72,16 @@ class DownwardWay:
             if self._worker is None or not self._worker.alive:
                 self.close()
                 self._worker = Worker(_PROGRAM)
+            worker = self._worker
             try:
-                return self._ask(self._worker, space, left, plans_per_belief, limits, record)
+                return self._ask(worker, space, left, plans_per_belief, limits, record)
             except EOFError:
-                words = self._worker.last_words()
+                words = worker.last_words()
                 _log.debug('the planning worker died: %s', words)
                 self.close()
             except BaseException:
-                self._stop(self._worker)
+                if worker is self._worker:
+                    self._stop(worker)
                 raise
         raise PlanningError(
             f'the planning process died more than once: {words or "it was killed"}',
@@ -142,7 +145,8 @@ class DownwardWay:
         except EOFError:
             pass
         self.close()
-        self._worker = Worker(_PROGRAM)
+        with contextlib.suppress(PlanningError):  # the next question will say so
+            self._worker = Worker(_PROGRAM)
         return False
 
     def close(self) -> None:

@@ -6,11 +6,13 @@ ending it leaves neither processes nor files behind.
 
 import contextlib
 import os
+import queue
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
 from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
@@ -45,6 +47,9 @@ class Worker:
                 self.connection.close()
                 shutil.rmtree(self._directory, ignore_errors=True)
                 raise _no_start(error) from error
+        self._outbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._sender = threading.Thread(target=self._send_all, name='to planner', daemon=True)
+        self._sender.start()
 
     def _start(self, program: Path, descriptor: int) -> subprocess.Popen[bytes]:
         python_path = os.pathsep.join(map(os.path.abspath, sys.path))
@@ -72,12 +77,22 @@ class Worker:
         """Whether the process still runs."""
         # A look that does not reap it: see `kill`.
         peek = os.WEXITED | os.WNOHANG | os.WNOWAIT
-        return os.waitid(os.P_PID, self._process.pid, peek) is None
+        try:
+            return os.waitid(os.P_PID, self._process.pid, peek) is None
+        except ChildProcessError:  # who started this program has it ignore SIGCHLD
+            return False
 
     def send(self, message: Any) -> None:
-        """Send any picklable value; that a dead worker misses it shows at `receive`."""
+        """Send any picklable value, without waiting until the worker takes it.
+
+        That a dead worker misses it shows at `receive`.
+        """
+        self._outbox.put(message)
+
+    def _send_all(self) -> None:
         with contextlib.suppress(OSError):
-            self.connection.send(message)
+            while (message := self._outbox.get()) is not None:
+                self.connection.send(message)
 
     def receive(self) -> Any:
         """Return the next message; raises EOFError when the worker has died."""
@@ -101,6 +116,8 @@ class Worker:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
+        self._outbox.put(None)
+        self._sender.join()  # nobody is there any more whom it could wait for
         self.connection.close()
         shutil.rmtree(self._directory, ignore_errors=True)
 
