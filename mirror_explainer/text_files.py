@@ -24,6 +24,8 @@ def read_text(path: str, limits: InputLimits | None = None) -> str:
             if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
                 raise OSError(errno.EINVAL, 'it is a pipe or a device')
             data = stream.read(limits.max_message_bytes + 1 if limits else -1)
+        if data is None:  # some of those that the kernel makes up
+            raise OSError(errno.EAGAIN, 'there is nothing in it yet')
         if limits:
             limits.require('max_message_bytes', len(data), 'its bytes', path)
         return plain_text(data.decode())

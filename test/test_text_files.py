@@ -1,8 +1,13 @@
 """Files that are read and watched."""
 
+import os
+import stat
 from pathlib import Path
 
-from mirror_explainer.text_files import TextFiles
+import pytest
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.text_files import TextFiles, read_text
 
 
 def test_a_change_shows_once_even_if_the_file_was_read_again_before_anybody_looked(
@@ -19,3 +24,20 @@ def test_a_change_shows_once_even_if_the_file_was_read_again_before_anybody_look
 
     assert text == 'second one'
     assert [before, files.changed(), files.changed()] == [False, True, False]
+
+
+def test_a_file_that_would_be_waited_for_is_no_text_yet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # As some files in /proc, which count as regular ones.
+    path = tmp_path / 'model.yaml'
+    os.mkfifo(path)
+    monkeypatch.setattr(stat, 'S_ISREG', lambda mode: True)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    writer = os.open(path, os.O_WRONLY)
+    try:
+        with pytest.raises(InputError, match='there is nothing in it yet'):
+            read_text(str(path))
+    finally:
+        os.close(reader)
+        os.close(writer)
