@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from patience import PATIENCE, eventually
@@ -283,6 +284,26 @@ def test_an_error_that_may_pass_is_tried_again_by_a_call_and_told_once(monkeypat
     assert heard[-1] is Phase.READY
     assert len(robot.maker.made) == 3
     assert robot.phases_told(2) == [Phase.ERROR, Phase.READY]
+
+
+@pytest.mark.parametrize(('then', 'kept'), [(25, 1), (1, 1), (0, 0)])
+def test_another_attempt_replaces_an_answer_only_if_it_knows_more(monkeypatch, played, then, kept):
+    monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 0.01)
+    failures = [1, then]
+
+    def work(inputs: Inputs, stop: StopRequest) -> State:
+        failed = failures[min(len(robot.maker.made), 2) - 1]
+        answer = SimpleNamespace(failed_beliefs=failed)
+        return State(Phase.READY, 'ready', answer, may_pass=failed > 0)
+
+    robot = played(work)
+    robot.submit('plan')
+    robot.updates.wait(PATIENCE)
+    eventually(lambda: len(robot.maker.made) > 2 - (then == 0), 'another attempt')
+    eventually(lambda: robot.updates.state.preparation.failed_beliefs == kept, 'the better one')
+
+    assert robot.updates.wait(PATIENCE).preparation.failed_beliefs == kept
+    assert len(robot.phases_told(1)) == 1 + (kept == 0)
 
 
 def test_closing_frees_who_waits_and_closes_the_maker(played):

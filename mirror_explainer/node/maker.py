@@ -40,7 +40,7 @@ class Maker:
         self._planner: Planner | None = None
         self._planner_lock = threading.Lock()
         self._closed = False
-        self._task: tuple[Text, Text, Task] | None = None
+        self._task: tuple[Text, Text, InputLimits, Task] | None = None
 
     def warm_up(self) -> None:
         """Start the planner's processes, so that they are up when they are needed."""
@@ -143,13 +143,13 @@ class Maker:
             planner.close()
 
     def _read(self, domain: Text, problem: Text, limits: InputLimits) -> Task:
-        """Return the task, read again only when its texts changed."""
-        if self._task is None or self._task[:2] != (domain, problem):
+        """Return the task, read again only when its texts or the limits changed."""
+        if self._task is None or self._task[:3] != (domain, problem, limits):
             self._task = None
             forget_expressions()
             task = read_task(domain.text, problem.text, domain.source, problem.source, limits)
-            self._task = (domain, problem, task)
-        return self._task[2]
+            self._task = (domain, problem, limits, task)
+        return self._task[3]
 
 
 def _check_alone(inputs: Inputs, read: Callable[[str], str]) -> None:

@@ -160,6 +160,8 @@ class Updates:
     def close(self, timeout: float = 1.0) -> None:
         """Stop at once; wait up to `timeout` seconds for the thread to end."""
         with self._changed:
+            if self._closed:
+                return
             self._closed = True
             self._stop.after(0.0)
             self._changed.notify_all()
@@ -253,7 +255,7 @@ class Updates:
                 if count < enough or not same_files:
                     return False
             else:
-                is_news = not _is_the_same(state, self._state)
+                is_news = not _is_no_better(state, self._state)
                 self._state = state = state if is_news else self._state
             self._overtaken = self._same_plan = 0
             self._finished = state
@@ -269,8 +271,10 @@ class Updates:
                 self._state = replace(self._state, message=message)
 
 
-def _is_the_same(new: State, now: State) -> bool:
-    """Whether another attempt changed nothing: the error is what it was, or an answer is there."""
-    return new.phase is Phase.ERROR and (
-        new.message == now.message or (new.may_pass and now.phase is Phase.READY)
-    )
+def _is_no_better(new: State, now: State) -> bool:
+    """Whether another attempt changed nothing: the same error, or no fewer beliefs that failed."""
+    if now.preparation is None:
+        return new.phase is Phase.ERROR and new.message == now.message
+    if new.preparation is None:
+        return new.may_pass
+    return new.preparation.failed_beliefs >= now.preparation.failed_beliefs
