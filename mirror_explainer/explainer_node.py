@@ -22,7 +22,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallb
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import Executor, ExternalShutdownException, MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity, get_logging_directory
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -55,6 +55,8 @@ INPUTS = ('domain', 'problem', 'plan')
 # A call that waits for an explanation holds one of the executor's threads.
 THREADS = 64
 MOST_WAITING_CALLS = THREADS - 8
+
+_NOT_READY = 'the explanation is not ready yet'
 
 # The package's own log, which the node hands on to ROS.
 _log = logging.getLogger('mirror_explainer')
@@ -137,6 +139,7 @@ class ExplainerNode(Node):
 
     def close(self) -> None:
         """Stop all work, and free the calls that wait; no planner process is left."""
+        self._answers.close()
         self._updates.close()
         _log.removeHandler(self._ros_log)
 
@@ -219,14 +222,7 @@ class ExplainerNode(Node):
     def _verbalize(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         started = time.perf_counter()
         try:
-            state = self._state_for_a_call()
-            if state.preparation is not None:
-                response.message = self._answers.give(
-                    state.preparation, state.number, self._question(), self._value('remember')
-                )
-                response.success = True
-            else:
-                response.message = printable(state.message)
+            response.success, response.message = self._answer(self._state_for_a_call())
         except Exception as error:  # an exception that leaves a callback ends the node
             if self.context.ok():  # otherwise the node is ending
                 _log.exception('verbalize_plan failed')
@@ -254,9 +250,20 @@ class ExplainerNode(Node):
             state = self._updates.state
             waits = f' (and {MOST_WAITING_CALLS} calls wait for it, as many as may)'
         if state.phase is Phase.WORKING:
-            message = f'the explanation is not ready yet: {state.message}{waits}'
+            message = f'{_NOT_READY}: {state.message}{waits}'
             return State(Phase.WORKING, message)
         return state
+
+    def _answer(self, state: State) -> tuple[bool, str]:
+        """Return whether there is an answer, and the answer, or why there is none."""
+        if state.preparation is None:
+            return False, printable(state.message)
+        text = self._answers.give(
+            state.preparation, state.number, self._question(), self._value('remember')
+        )
+        if text is None:
+            return False, f'{_NOT_READY}: other calls are answered first'
+        return True, text
 
     def _forget(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         count = self._answers.forget()
@@ -279,6 +286,20 @@ class ExplainerNode(Node):
         self._diagnostics.publish(diagnostic_array(found, name, stamp))
 
 
+def _spin_once(executor: Executor) -> None:
+    """Do what is due, or wait half a second for it; log what goes wrong in a callback.
+
+    Not `spin`: a signal that comes just before it waits would not wake it. And callbacks
+    of rclpy's own raise for messages such as a parameter of a type that there is not.
+    """
+    try:
+        executor.spin_once(timeout_sec=0.5)
+    except (ExternalShutdownException, RCLError):
+        raise
+    except Exception:
+        _log.exception('a callback of ROS failed')
+
+
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
     parser = argument_parser()
@@ -293,19 +314,19 @@ def main(args: Sequence[str] | None = None) -> None:
     node = None
     executor = MultiThreadedExecutor(THREADS)
     try:
-        node = ExplainerNode()
+        try:
+            node = ExplainerNode()
+        except ParameterException as error:
+            parser.error(str(error))
         if log_fault:
             _log.warning('there is no log file: %s', log_fault)
         if options.log_level:
             node.get_logger().set_level(LoggingSeverity[options.log_level.upper()])
         executor.add_node(node)
         while rclpy.ok():
-            # Not `spin`: a signal that comes just before it waits would not wake it.
-            executor.spin_once(timeout_sec=0.5)
+            _spin_once(executor)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except ParameterException as error:
-        parser.error(str(error))
     except RCLError:
         if rclpy.ok():  # otherwise a signal came just before the executor waited
             raise

@@ -1,11 +1,15 @@
 """The answers to calls: what was said is remembered as long as it is about what the robot does."""
 
+import gc
+import threading
 from collections.abc import Callable
 
 import pytest
+from patience import PATIENCE
 
-from mirror_explainer.explainer import Preparation, Seconds
+from mirror_explainer.explainer import Explanation, Preparation, Seconds
 from mirror_explainer.mirror_model import mirror_model
+from mirror_explainer.node import answers as module
 from mirror_explainer.node.answers import Answers
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Status
 from mirror_explainer.prior import Prior
@@ -85,3 +89,47 @@ def test_an_older_answer_is_not_published_after_a_newer_one(listener) -> None:
     assert newer() == 'I will run.'
     assert older() == 'I will go.'
     assert listener.heard == ['I will run.']
+
+
+def test_many_answers_after_what_was_said_take_no_more_memory_than_a_few(listener) -> None:
+    robot = preparation(0, *(f'(go room{i})' for i in range(60)))
+    ask = listener.update(1, robot)
+
+    sizes = []
+    for _ in range(3):
+        for _ in range(20):
+            ask()
+        gc.collect()
+        sizes.append(sum(isinstance(thing, Explanation) for thing in gc.get_objects()))
+
+    assert sizes[0] == sizes[1] == sizes[2]
+
+
+def test_a_call_waits_for_its_turn_only_so_long(monkeypatch, listener) -> None:
+    monkeypatch.setattr(module, 'TURN_SECONDS', 0.01)
+    robot = preparation(0, '(go)', '(grab)')
+    ask = listener.update(1, robot)
+    begun, goes_on = threading.Event(), threading.Event()
+
+    def publish(text: str, report: str) -> None:
+        begun.set()
+        goes_on.wait(PATIENCE)
+
+    listener.answers = Answers(publish)
+    other = threading.Thread(target=ask)
+    other.start()
+    begun.wait(PATIENCE)
+    heard = ask()
+    goes_on.set()
+    other.join()
+
+    assert heard is None
+    assert ask() == 'I will grab.'
+
+
+def test_nobody_is_answered_after_the_end(listener) -> None:
+    ask = listener.update(1, preparation(0, '(go)'))
+    listener.answers.close()
+
+    assert ask() is None
+    assert listener.heard == []

@@ -9,12 +9,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from patience import eventually
+from patience import PATIENCE, eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
 import sliding_tiles
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import SetParameters
 from ros_peer import (
     CONFIG,
     DOMAIN,
@@ -30,6 +34,9 @@ from ros_peer import (
     new_namespace,
     running,
 )
+from rosgraph_msgs.msg import Clock
+
+from mirror_explainer.input_limits import InputLimits
 
 pytestmark = pytest.mark.usefixtures('ros')
 
@@ -251,6 +258,33 @@ def test_bad_input_is_named_in_answer_log_and_diagnostics_and_good_input_heals_i
     eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'ready')
     assert last_diagnostic(peer)['level'] == DiagnosticStatus.OK
     assert node.popen.poll() is None
+
+
+def test_what_rclpy_itself_cannot_take_does_not_end_the_node(served, long_running):
+    _, node = long_running
+    client = served.node.create_client(SetParameters, f'{served.explainer}/set_parameters')
+    assert client.wait_for_service(PATIENCE)
+    no_type = ParameterMessage(name='n', value=ParameterValue(type=77))
+    client.call_async(SetParameters.Request(parameters=[no_type]))
+    eventually(lambda: '77 is not a valid' in node.log, 'the reason in the log')
+    clock = served.node.create_publisher(Clock, '/clock', 1)
+    served.set_parameters(use_sim_time=True)
+    eventually(clock.get_subscription_count, 'a subscriber of the clock')
+    clock.publish(Clock(clock=Time(sec=-1)))
+    eventually(lambda: 'Seconds value must not be negative' in node.log, 'the reason in the log')
+    served.set_parameters(use_sim_time=False)
+
+    assert served.answer() == THREE_SENTENCES
+    assert node.popen.poll() is None
+
+
+def test_limits_that_are_lowered_are_those_of_what_was_read_before_too(served):
+    served.set_parameters(max_objects=5)
+    reason = served.failure('max_objects allows (now 5)')
+    served.set_parameters(max_objects=InputLimits.max_objects)
+
+    assert reason.startswith('/')
+    assert served.answer() == THREE_SENTENCES
 
 
 def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(served, tmp_path):

@@ -4,11 +4,25 @@ import json
 import re
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from mirror_explainer.explainer import Explanation, Preparation, explain
 
+# How long a call waits for its turn, in seconds: with `remember` each has an answer of its own.
+TURN_SECONDS = 5.0
+
 _CONTROL = re.compile(r'[\x00-\x08\x0b-\x1f\x7f-\x9f]')
+
+
+@dataclass(frozen=True)
+class _Made:
+    """An answer, as text and as JSON, and the question that it answers."""
+
+    question: object
+    explanation: Explanation
+    text: str
+    report: str
 
 
 class Answers:
@@ -23,45 +37,57 @@ class Answers:
         self.last: Explanation | None = None
         self._publish = publish
         self._published = 0
-        self._lock = threading.Lock()
+        self._turn = threading.Lock()
+        self._closed = False
         self._newest = 0
         self._goal = ''
         self._said: list[str] = []
         self._made_for: Preparation | None = None
-        self._made: dict[object, tuple[Explanation, str, str]] = {}
+        self._made: dict[bool, _Made] = {}
 
     def make(self, preparation: Preparation, number: int, question: dict[str, Any]) -> None:
         """Make the answer to a question (arguments of `explain`), so that a call finds it made.
 
         `number` grows with each update.
         """
-        with self._lock:
+        with self._turn:
             self._turn_to(preparation, number)
             self._get(preparation, question, ())
 
     def give(
         self, preparation: Preparation, number: int, question: dict[str, Any], remember: bool
-    ) -> str:
+    ) -> str | None:
         """Publish the answer to a question, and return its text.
 
         With `remember` it is conditioned on what was said, and counts as said. Sentences
-        that are not in the plan are no part of it.
+        that are not in the plan are no part of it. Returns None where its turn does not
+        come within TURN_SECONDS, or after `close`.
         """
-        with self._lock:
+        if not self._turn.acquire(timeout=TURN_SECONDS):
+            return None
+        try:
+            if self._closed:
+                return None
             self._turn_to(preparation, number)
             said = [s for s in self._said if remember and s in preparation.model.sentences]
-            explanation, text, report = self._get(preparation, question, tuple(said))
+            made = self._get(preparation, question, tuple(said))
             if remember:
-                self._said += explanation.sentences
+                self._said += made.explanation.sentences
             if number >= self._published:
                 self._published = number
-                self.last = explanation
-                self._publish(text, report)
-            return text
+                self.last = made.explanation
+                self._publish(made.text, made.report)
+            return made.text
+        finally:
+            self._turn.release()
+
+    def close(self) -> None:
+        """Give no more answers, so that nobody waits for a turn."""
+        self._closed = True
 
     def forget(self) -> int:
         """Forget what was said; return how many sentences that was."""
-        with self._lock:
+        with self._turn:
             count = len(self._said)
             self._said.clear()
             return count
@@ -77,16 +103,19 @@ class Answers:
 
     def _get(
         self, preparation: Preparation, question: dict[str, Any], said: tuple[str, ...]
-    ) -> tuple[Explanation, str, str]:
+    ) -> _Made:
+        """Return the answer, which is kept; of those after something said the last one is."""
         if self._made_for is not preparation:
             self._made_for, self._made = preparation, {}
-        key = (*question.items(), *said)
-        if key not in self._made:
+        asked = (question, said)
+        made = self._made.get(bool(said))
+        if made is None or made.question != asked:
             explanation = explain(preparation, said=said, **question)
             values = {**explanation.as_dict(hypotheses=False), 'inputs': preparation.inputs}
             report = json.dumps(values, ensure_ascii=False)
-            self._made[key] = explanation, printable(explanation.text), printable(report)
-        return self._made[key]
+            made = _Made(asked, explanation, printable(explanation.text), printable(report))
+            self._made[bool(said)] = made
+        return made
 
 
 def printable(text: str) -> str:
