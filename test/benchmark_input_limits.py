@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from test_nasty_input import CHAIN_DOMAIN, GOAL, LIMITS, chain, chain_plan
 
@@ -22,13 +23,16 @@ SWITCH = """
 """
 
 
-def switch(
+def switch_texts(
     condition: str = '()', effect: str = '(on)', objects: int = 0, goal: str = '(on)'
-) -> Task:
+) -> list[str]:
     names = ' '.join(f'o{number}' for number in range(objects))
     problem = f'(define (problem p) (:domain switch) (:objects {names}) (:init) (:goal {goal}))'
-    domain = SWITCH.replace('CONDITION', condition).replace('EFFECT', effect)
-    return read_task(domain, problem, limits=LIMITS)
+    return [SWITCH.replace('CONDITION', condition).replace('EFFECT', effect), problem]
+
+
+def switch(**parts: Any) -> Task:
+    return read_task(*switch_texts(**parts), limits=LIMITS)
 
 
 def told(what: str, run: Callable[[], object]) -> None:
@@ -48,18 +52,29 @@ def check(task: Task, plan: str) -> None:
 def main() -> None:
     few = LIMITS.max_words - 50
     told('20 MB of anything', lambda: read_task(CHAIN_DOMAIN, '(' * 20_000_000, limits=LIMITS))
-    told('domain: 10,000 words of effects', lambda: switch(effect=f'(and {"(on)" * few})'))
-    told('domain: 10,000 words of conditions', lambda: switch(f'(and {"(not(on))" * (few // 2)})'))
-    told('problem: 10,000 words of goal', lambda: switch(goal=f'(and {"(not(on))" * (few // 2)})'))
+    effects = f'(and {"(on)" * few})'
+    told('domain: 10,000 words of effects', lambda: switch(effect=effects))
+    told(
+        'the same domain, for a problem with an unknown name',
+        lambda: switch(effect=effects, goal='(off)'),
+    )
+    timed = switch_texts(effect=f'(and {"(at end (on))" * (few // 3)})')
+    timed[0] = timed[0].replace(':parameters ()', ':parameters () :duration (= ?duration 1)')
+    timed[0] = timed[0].replace(':action', ':durative-action').replace('precon', 'con')
+    timed[0] = timed[0].replace(':adl', ':durative-actions')
+    told('domain: 10,000 words of timed effects', lambda: read_task(*timed, limits=LIMITS))
+    denials = f'(and {"(not(on))" * (few // 2)})'
+    told('domain: 10,000 words of conditions', lambda: switch(condition=denials))
+    told('problem: 10,000 words of goal', lambda: switch(goal=denials))
     links = '(link p0 p1) ' * 75_000
     facts = chain(1000).replace('(:init ', f'(:init {links}')
     told('problem: 1 MB of initial facts', lambda: read_task(CHAIN_DOMAIN, facts, limits=LIMITS))
     told('problem: 2000 objects', lambda: read_task(CHAIN_DOMAIN, chain(2000), limits=LIMITS))
     task = read_task(CHAIN_DOMAIN, chain(1001))
     told('plan: 1000 actions', lambda: check(task, chain_plan(1001)))
-    often = switch('(forall (?a) (not (lit ?a ?a ?a)))', '(on)', 25)
+    often = switch(condition='(forall (?a) (not (lit ?a ?a ?a)))', objects=25)
     told('plan: 1000 actions of 25 instances', lambda: check(often, '(press)\n' * 1000))
-    every = switch('(forall (?a ?b ?c) (not (lit ?a ?b ?c)))', '(on)', 30)
+    every = switch(condition='(forall (?a ?b ?c) (not (lit ?a ?b ?c)))', objects=30)
     told('plan: 27,000 instances of a forall', lambda: check(every, '(press)'))
     with TemporaryDirectory() as folder:
         path = Path(folder) / 'model.yaml'
