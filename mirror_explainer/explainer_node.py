@@ -17,6 +17,7 @@ os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import ListParameters
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
@@ -38,7 +39,7 @@ from mirror_explainer.node.diagnostic_message import diagnostic_array
 from mirror_explainer.node.diagnostics import diagnose, rivalry
 from mirror_explainer.node.history import History, news
 from mirror_explainer.node.maker import Maker
-from mirror_explainer.node.parameters import PARAMETERS
+from mirror_explainer.node.parameters import PARAMETERS, unknown_parameters
 from mirror_explainer.node.ros_log import RosLog
 from mirror_explainer.node.start import argument_parser, write_fault
 from mirror_explainer.node.state import Inputs, Phase, State, Text
@@ -91,6 +92,10 @@ class ExplainerNode(Node):
         _log.setLevel(logging.DEBUG)  # what is logged is for the ROS logger to decide
         self.add_on_set_parameters_callback(self._check_parameters)
         self.declare_parameters('', PARAMETERS)
+        declared = self.list_parameters([], ListParameters.Request.DEPTH_RECURSIVE).names
+        # There is no public way to those that were given, but not declared.
+        for sentence in unknown_parameters(self._parameter_overrides, declared):
+            _log.warning('%s', sentence)
         self._inputs = Inputs()
         self._inputs_lock = threading.Lock()
         self._answers = Answers(self._publish_answer)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
 import pytest
 
@@ -47,12 +48,16 @@ class Server:
 
 
 @contextmanager
-def served(arguments: Sequence[str]) -> Iterator[Server]:
-    """Run `python ARGUMENTS`, wait until it prints where it serves, and end it afterwards."""
+def served(arguments: Sequence[str], stderr: TextIO | None = None) -> Iterator[Server]:
+    """Run `python ARGUMENTS`, wait until it prints where it serves, and end it afterwards.
+
+    What it says besides goes to `stderr`, or to that of the tests.
+    """
     path = os.pathsep.join([str(Path(__file__).parent), os.environ.get('PYTHONPATH', '')])
     with subprocess.Popen(
         [sys.executable, *arguments],
         stdout=subprocess.PIPE,
+        stderr=stderr,
         text=True,
         env={**os.environ, 'PYTHONPATH': path},
     ) as process:

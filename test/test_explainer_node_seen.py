@@ -171,6 +171,27 @@ def test_a_wrong_parameter_ends_the_start_with_one_sentence(parameters, told, tm
         assert 'Traceback' not in node.log
 
 
+def test_parameters_that_the_node_does_not_have_are_told_with_what_may_be_meant(tmp_path):
+    parameters = tmp_path / 'parameters.yaml'
+    parameters.write_text(
+        '/**: {ros__parameters: {user_model_flie: /a.yaml, robot: {wheels: 4}, n: 2}}\n'
+        '/**/another: {ros__parameters: {startegi: increasing}}\n'
+    )
+    known = {'use_sim_time': False, 'start_type_description_service': True}
+    options = ['--ros-args', '--params-file', str(parameters), '--']
+    given = {'startegy': 'increasing', **known}
+    with running('explainer_node', new_namespace(), tmp_path, options=options, **given) as node:
+        eventually(lambda: 'waiting for' in node.log, 'that the node has started')
+        told = [line.partition('the parameter ')[2] for line in log_lines(node, '[WARN]')]
+
+    assert told == [
+        '"robot.wheels" is not one of this node\'s, and is ignored',
+        '"startegy" is not one of this node\'s, and is ignored (did you mean "strategy"?)',
+        '"user_model_flie" is not one of this node\'s, and is ignored'
+        ' (did you mean "user_model_file"?)',
+    ]
+
+
 @pytest.mark.parametrize(
     ('option', 'status', 'told'),
     [('--log-levle=x', 2, 'unrecognized arguments: --log-levle'), ('--help', 0, '--log-level')],

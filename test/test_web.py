@@ -2,7 +2,9 @@
 
 import argparse
 import http.client
+import logging
 import signal
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,6 +14,7 @@ from browser import overflow, person, served, violations  # noqa: E402
 
 from mirror_explainer.web.address import add_address_arguments, address  # noqa: E402
 from mirror_explainer.web.site import CONTENT_SECURITY_POLICY  # noqa: E402
+from mirror_explainer.web.unknown_hosts import MOST_NAMES, PERIOD, UnknownHosts  # noqa: E402
 
 TOKEN = 'a-token-of-the-test'
 PROGRAM = """
@@ -27,8 +30,8 @@ serve(at)
 """
 
 
-def demo(*arguments):
-    return served(['-c', PROGRAM, *arguments])
+def demo(*arguments, **how):
+    return served(['-c', PROGRAM, *arguments], **how)
 
 
 @pytest.fixture(scope='module')
@@ -52,6 +55,11 @@ def ask(server, path='/', method='GET', body=None, host='localhost', **headers):
     response.text = response.read().decode()
     connection.close()
     return response
+
+
+def logged(file):
+    """Return the lines of a log, without waitress's own of a busy machine."""
+    return [line for line in file.read_text().splitlines() if 'Task queue depth' not in line]
 
 
 def parsed(*arguments):
@@ -91,11 +99,53 @@ def test_this_machine_is_reached_by_its_own_names(site, host):
 
 
 @pytest.mark.parametrize('path', ['/', '/static/style.css'])
-def test_another_name_that_points_here_is_refused(site, path):
-    response = ask(site, path, host='evil.example')
+def test_another_name_that_points_here_is_refused_and_the_option_for_it_is_told(site, path):
+    response = ask(site, path, host='robot.local')
 
     assert response.status == 400
-    assert 'was not understood' in response.text
+    assert 'not known by that name' in response.text
+    assert '<code>--name robot.local</code>' in response.text
+
+
+def test_what_no_machine_can_be_called_is_not_shown_or_logged(tmp_path):
+    hosts = ['<b>robot</b>', 'robot_1', "robot' --token known", 'r' * 300, '', '{{ host }}']
+    with (tmp_path / 'log').open('w') as log, demo(stderr=log) as server:
+        for host in hosts:
+            response = ask(server, host=host)
+            assert response.status == 400
+            assert 'No machine can have the name' in response.text
+            assert not host or host not in response.text
+    (line,) = logged(tmp_path / 'log')
+
+    assert 'a name that none can have' in line
+
+
+def test_the_log_has_one_line_for_a_name_and_few_for_many(tmp_path):
+    arguments = ['--token', TOKEN, '--name', 'robot.example']
+    with (tmp_path / 'log').open('w') as log, demo(*arguments, stderr=log) as server:
+        for host in ['robot.local'] * 3 + [f'{number}.example' for number in range(100)]:
+            assert ask(server, f'/?token={TOKEN}', host=host).status == 400
+        assert ask(server, f'/?token={TOKEN}', host='robot.example').status == 302
+    lines = logged(tmp_path / 'log')
+
+    assert len(lines) == MOST_NAMES
+    assert lines[0].endswith('start this program with --name robot.local')
+    assert sum('robot.local' in line for line in lines) == 1
+    assert not any(TOKEN in line for line in lines)
+
+
+def test_a_name_is_told_again_after_a_while():
+    now = 0.0
+    hosts = UnknownHosts(clock=lambda: now)
+
+    def is_told(host):
+        request = SimpleNamespace(headers={'Host': host})
+        return hosts.filter(logging.makeLogRecord({'request': request}))
+
+    assert is_told('robot.local:8350')
+    assert not is_told('robot.local')
+    now = PERIOD + 1
+    assert is_told('robot.local')
 
 
 def test_without_the_token_nothing_is_shown(guarded):
@@ -236,8 +286,10 @@ def test_a_page_updates_itself_within_the_policy(site, chromium):
 @pytest.mark.parametrize('screen', ['desktop', 'zoomed', 'tablet'])
 def test_pages_that_say_what_is_wrong_can_be_read_by_everyone(site, chromium, screen):
     with person(chromium, screen) as page:
-        for path in ('', 'nowhere', 'broken'):
-            page.goto(f'{site.url}{path}')
+        addresses = [f'{site.url}{path}' for path in ('', 'nowhere', 'broken')]
+        # Which chromium takes for this machine, and the site does not know.
+        for address in (*addresses, f'http://robot.localhost:{site.port}'):
+            page.goto(address)
             assert violations(page) == []
             assert overflow(page) <= 0
-        page.errors.clear()  # chromium reports the 404 and the 500 that were asked for
+        page.errors.clear()  # chromium reports what was refused, as was asked for

@@ -1,8 +1,11 @@
 """The node's parameters: names, defaults, ranges, and which can be set on the running node."""
 
+from collections.abc import Collection, Iterable, Iterator
+
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
 from mirror_explainer import defaults
+from mirror_explainer.errors import did_you_mean
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.strategies import STRATEGIES
 
@@ -96,3 +99,10 @@ PARAMETERS = (
     ),
     ('downward_binary', '', _text("Fast Downward's search, if self-built", True)),
 )
+
+
+def unknown_parameters(given: Iterable[str], declared: Collection[str]) -> Iterator[str]:
+    """Yield a sentence for each parameter that was given to the node, which would ignore it."""
+    for name in sorted(set(given).difference(declared)):
+        meant = did_you_mean(name, declared)
+        yield f'the parameter "{name}" is not one of this node\'s, and is ignored{meant}'

@@ -4,6 +4,7 @@ Settings are made in code, so that a page is a package like any other. Django ke
 them for the whole process: one process serves one site.
 """
 
+import logging
 import secrets
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ import django
 from django.conf import settings
 
 from mirror_explainer.web.address import Address
+from mirror_explainer.web.unknown_hosts import UnknownHosts
 
 # Nothing from elsewhere, nothing inline: a page can neither load nor run what we did not write.
 _POLICY = {
@@ -88,6 +90,7 @@ def configure(site: Site, address: Address | None = None) -> None:
         SECURE_REFERRER_POLICY='same-origin',
         LOGGING_CONFIG=None,  # Python's own default: warnings and errors on stderr
     )
+    logging.getLogger('django.security.DisallowedHost').addFilter(UnknownHosts())
     django.setup()
     if site.database is not None:
         from django.core.management import call_command
