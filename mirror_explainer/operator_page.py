@@ -5,7 +5,6 @@ that the node's callbacks replace.
 """
 
 import argparse
-import contextlib
 import sys
 import threading
 import time
@@ -17,6 +16,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterDescriptor
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.client import Client
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
@@ -220,7 +220,7 @@ def main(args: Sequence[str] | None = None) -> int:
     executor = SingleThreadedExecutor()
     node = OperatorPage()
     executor.add_node(node)
-    thread = threading.Thread(target=_spin, args=[executor], name='ros')
+    thread = threading.Thread(target=_spin, args=[executor, node], name='ros')
     thread.start()
     try:
         where = address(options)
@@ -237,9 +237,22 @@ def main(args: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _spin(executor: SingleThreadedExecutor) -> None:
-    with contextlib.suppress(ExternalShutdownException):
-        executor.spin()
+def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
+    """Do what is due until the executor is shut down.
+
+    Callbacks of rclpy's own raise for messages such as a negative /clock: that is logged.
+    """
+    while True:
+        try:
+            executor.spin()
+        except ExternalShutdownException:
+            return
+        except RCLError:
+            raise
+        except Exception as error:
+            node.get_logger().error(f'a callback of ROS failed: {error!r}')
+        else:
+            return
 
 
 if __name__ == '__main__':

@@ -16,8 +16,12 @@ pytest.importorskip('playwright', reason='playwright is not installed (the extra
 
 import rclpy
 from browser import PATIENCE, SCREENS, Server, overflow, person, served, violations
+from patience import eventually
 from playwright.sync_api import Locator, Page, expect
-from ros_peer import PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Peer, Process, running
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import ListParameters, SetParameters
+from ros_peer import PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Call, Peer, Process, running
 
 expect.set_options(timeout=PATIENCE)
 SENTENCES = THREE_SENTENCES.split('\n')
@@ -96,6 +100,23 @@ def press(page: Page) -> None:
 
 def answer(page: Page) -> Locator:
     return page.locator('#said').get_by_role('listitem')
+
+
+def test_what_rclpy_itself_cannot_take_does_not_cut_the_page_off(operator, shared):
+    page = f'{shared.peer.node.get_namespace()}/operator_page'
+    setting = shared.peer.node.create_client(SetParameters, f'{page}/set_parameters')
+    listing = shared.peer.node.create_client(ListParameters, f'{page}/list_parameters')
+    eventually(setting.service_is_ready, 'the service of the page')
+    eventually(listing.service_is_ready, 'the service of the page')
+    no_type = ParameterMessage(name='explainer', value=ParameterValue(type=77))
+    setting.call_async(SetParameters.Request(parameters=[no_type]))
+
+    eventually(
+        lambda: Call(listing.call_async(ListParameters.Request())).ends_within(1.0),
+        'a reply of the page',
+    )
+    press(operator)
+    expect(answer(operator)).to_have_text(SENTENCES)
 
 
 def test_the_button_gives_the_answer_and_all_that_it_does_by_keyboard_alone(operator):

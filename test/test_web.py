@@ -189,6 +189,8 @@ def test_a_form_from_elsewhere_is_refused(site):
     body = f'csrfmiddlewaretoken={token}&said=hello'
 
     assert ask(site, method='POST', body=body, **sent).text == 'hello'
+    through_a_proxy = ask(site, method='POST', body=body, Origin='https://localhost', **sent)
+    assert through_a_proxy.text == 'hello'
     elsewhere = ask(site, method='POST', body=body, Origin='http://evil.example', **sent)
     assert elsewhere.status == 403
     assert 'This form has expired' in elsewhere.text

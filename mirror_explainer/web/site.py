@@ -50,10 +50,13 @@ def configure(site: Site, address: Address | None = None) -> None:
 
     Without an address nothing can be served, only the database be used.
     """
+    names = address.names if address else ()
     settings.configure(
         SITE=site,
         ACCESS_TOKEN=address.token if address else None,
-        ALLOWED_HOSTS=list(address.names) if address else [],
+        ALLOWED_HOSTS=list(names),
+        # So that forms can be sent through a proxy with TLS, which passes them on without.
+        CSRF_TRUSTED_ORIGINS=[f'https://{name}' for name in names],
         CONTENT_SECURITY_POLICY=CONTENT_SECURITY_POLICY,
         # Signs nothing that has to outlive the process.
         SECRET_KEY=secrets.token_urlsafe(32),
