@@ -238,9 +238,14 @@ FAULTS = {
         'goals[1]: another candidate is named "x" too',
     ),
     'probabilities for some goals': (
+        'goals:\n- {goal: (charged), probability: 1}\n- {goal: (and)}\n- {goal: (or)}',
+        None,
+        '2 faults: line 3: goals[1]: it has no probability: give every goal one, or none; line ',
+    ),
+    'a probability for all goals but one': (
         'goals:\n- {goal: (charged), probability: 1}\n- {goal: (and)}',
-        1,
-        'goals: give every goal a probability, or none',
+        3,
+        'goals[1]: it has no probability: give every goal one, or none',
     ),
     'no goal likely': (
         'goals: [{goal: (charged), probability: 0}]',
@@ -307,6 +312,16 @@ FAULTS = {
         GOAL + 'sentences:\n  exit: "Bye."\n  grab: "{i:>999999999}"',
         4,
         'sentences.grab: "{i:>999999999}": write {i} without a format',
+    ),
+    'a template that names a parameter as PDDL does': (
+        GOAL + 'sentences: {grab: "{?i}"}',
+        2,
+        'sentences.grab: "{?i}": {?i} is no parameter of the action (write {i})',
+    ),
+    'when for no text': (
+        GOAL + 'sentences: {grab: {template: x, when: {yes: {left: y}}}}',
+        2,
+        'sentences.grab.when.True: to YAML this key is no text: put it in quotes',
     ),
     'when for another parameter': (
         GOAL + 'sentences: {grab: {template: x, when: {b: {left: y}}}}',
