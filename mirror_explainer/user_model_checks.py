@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl import Task, fluent_expression, goal_expression
 from mirror_explainer.sentences import Template, template_faults
 from mirror_explainer.user_model_file import Fault, GoalEntry
@@ -149,7 +149,8 @@ def sentence_faults(
     for action, entry in sentences.items() if isinstance(sentences, dict) else ():
         path = ('sentences', action)
         if not isinstance(action, str) or action.lower() not in parameters:
-            yield Fault(path, f'the domain has no action "{action}"')
+            hint = did_you_mean(str(action).lower(), parameters)
+            yield Fault(path, f'the domain has no action "{action}"{hint}')
             continue
         for reason in template_faults(_wording(entry), parameters[action.lower()]):
             yield Fault(path, reason)

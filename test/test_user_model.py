@@ -288,6 +288,11 @@ FAULTS = {
     ),
     'an empty group': (GOAL + 'one_of: [{facts: {}}]', 2, 'one_of[0].facts: there is nothing'),
     'facts left blank': (GOAL + 'uncertain_facts:', 2, 'uncertain_facts: this should be a list'),
+    'a sentence for a misspelt action': (
+        GOAL + 'sentences: {Gab: "I will grab {i}."}',
+        2,
+        'sentences.Gab: the domain has no action "Gab" (did you mean "grab"?)',
+    ),
     'a template that is none': (
         GOAL + 'sentences: {grab: 5}',
         2,
