@@ -102,6 +102,15 @@ DOMAIN_FAULTS = {
         DOMAIN.replace('(power))\n    :eff', '(powr))\n    :eff'),
         'domain, line 8: unknown name "powr" (did you mean "power"?)',
     ),
+    'arguments in the wrong order': (
+        DOMAIN.replace('(and (wired ?s ?l)', '(and\n(WIRED ?l  ?s)'),
+        "domain, line 9: The expression '(wired(l, s) and power)' does not fit its declaration",
+    ),
+    'arguments in the wrong order, in one of two places': (
+        DOMAIN.replace('(and (wired ?s ?l)', '(and (wired ?l ?s)').rstrip()[:-1]
+        + '(:action tear :parameters (?s - lamp ?l - switch) :effect (not (wired ?l ?s))))',
+        "domain: The expression '(wired(l, s) and power)' does not fit its declaration",
+    ),
     'unknown requirement': (
         DOMAIN.replace(':typing', '; :no\n :TYPNG'),
         'domain, line 4: unified-planning knows no requirement ":typng" (did you mean ":typing"?)',

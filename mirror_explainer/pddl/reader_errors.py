@@ -31,6 +31,8 @@ _DECLARING = {':types', ':constants', ':objects', ':predicates', ':functions'}
 _UNKNOWN = re.compile(
     r"""unknown name (?:in \(|")([\w-]+)|type: ([\w-]+)|'([\w-]+)' is not decl"""
 )
+# Each is looked for in the whole text.
+_ATOMS_TO_FIND = 10
 # What the reader's grammar has.
 _REQUIREMENTS = (
     ':strips', ':typing', ':negative-preconditions', ':disjunctive-preconditions', ':equality',
@@ -116,6 +118,8 @@ def input_error(
         message = f'{message} is not declared'
     name = re.search(r"'([\w-]+)'|Name ([\w-]+)", message)
     line = int(said[1]) if said else line_of(_word(name[1] or name[2]), text) if name else None
+    if line is None:
+        line = _line_of_atoms(message, text)
     likely = _likely(message, names)
     return InputError(source, message + likely + hint, line, cure='' if likely else _UNREADABLE)
 
@@ -127,6 +131,25 @@ def _likely(message: str, names: Iterable[str]) -> str:
         return ''
     unknown = next(filter(None, found.groups())).lower()
     return did_you_mean(unknown, [name for name in names if name != unknown])
+
+
+def _line_of_atoms(message: str, text: str) -> int | None:
+    """Return where an expression "a(x) and b(x, y)" begins, None if that is not sure.
+
+    Sure it is if only one section of the text has its atoms.
+    """
+    atoms = re.findall(r'([\w-]+)\(([\w-]+(?:, [\w-]+)*)\)', message)[:_ATOMS_TO_FIND]
+    words = [map(re.escape, [name, *arguments.split(', ')]) for name, arguments in atoms]
+    patterns = [
+        re.compile(r'\(\s*' + r'\s+\??'.join(those) + r'\s*\)', re.IGNORECASE) for those in words
+    ]
+    plain, starts = without_comments(text), []
+    for part in sections(text) if patterns else ():
+        found = [pattern.search(plain, part.start, part.end) for pattern in patterns]
+        places = [match.start() for match in found if match]
+        if len(places) == len(patterns):
+            starts.append(min(places))
+    return line_at(text, starts[0]) if len(starts) == 1 else None
 
 
 def _word(name: str) -> str:
