@@ -158,9 +158,10 @@ def _misspelt_objects(task: Task, user_model: UserModel) -> Iterator[str]:
     objects = {item.name.lower() for item in task.model.all_objects}
     unnamed_beside: dict[str, list[set[str]]] = {}
     for names in (user_model.objects, *wordings):
-        unnamed = objects - names.keys()
-        for name in names.keys() - objects:
-            unnamed_beside.setdefault(name, []).append(unnamed)
+        if missing := names.keys() - objects:
+            unnamed = objects - names.keys()
+            for name in missing:
+                unnamed_beside.setdefault(name, []).append(unnamed)
     left = _MOST_COMPARISONS
     for name, unnamed_sets in sorted(unnamed_beside.items()):
         unnamed = set.intersection(*unnamed_sets)

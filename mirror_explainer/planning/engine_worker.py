@@ -57,9 +57,10 @@ class Engine:
         }
         engine_class = _engine_class(name)
         self._optimal = engine_class.satisfies(OptimalityGuarantee.SOLVED_OPTIMALLY)
+        negative = _negative_cost(self._model)
         for goal in self._goals:
             self._set_goal(goal)
-            _require_support(name, engine_class, self._model)
+            _require_support(name, engine_class, self._model, negative)
 
     def _set_goal(self, goal: up.FNode) -> None:
         self._model.clear_goals()
@@ -118,12 +119,14 @@ def _engine_class(name: str) -> Any:
     return factory.engine(name)
 
 
-def _require_support(name: str, engine_class: Any, model: up.Problem) -> None:
-    """Raise PlanningError that names the features of the problem the engine lacks."""
+def _require_support(name: str, engine_class: Any, model: up.Problem, negative: str) -> None:
+    """Raise PlanningError that names the features of the problem the engine lacks.
+
+    `negative` tells of a cost below 0: unified-planning has no feature for it, and calls all
+    costs real that functions give.
+    """
     missing = model.kind.features - engine_class.supported_kind().features
     features = sorted(feature.lower().replace('_', ' ') for feature in missing)
-    # unified-planning has no feature for it, and calls all costs real that functions give.
-    negative = _negative_cost(model)
     if negative:
         features = [negative, *(f for f in features if f != 'real numbers in actions cost')]
     unfit = negative and name.startswith('fast-downward')
