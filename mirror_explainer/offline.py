@@ -7,11 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from mirror_explainer import defaults
+from mirror_explainer.errors import NoPlanError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.mirror_model import MirrorModel
 from mirror_explainer.options import number, whole
-from mirror_explainer.pddl import read_task
-from mirror_explainer.planning import Planner
+from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.planning import Plan, Planner
 from mirror_explainer.selection import Selection, curve, decreasing, increasing
 from mirror_explainer.text_files import read_text
 from mirror_explainer.user_model import read_user_model
@@ -56,7 +57,7 @@ def prepare_files(options: argparse.Namespace) -> Preparation:
     task = read_task(
         read_text(options.domain), read_text(options.problem), options.domain, options.problem
     )
-    plan = robot_plan(task, read_text(options.plan), options.plan) if options.plan else None
+    plan = _given_plan(task, options.plan) if options.plan else None
     user_model = read_user_model(options.user_model, task)
     read = time.perf_counter() - started
     with Planner(
@@ -76,6 +77,15 @@ def prepare_files(options: argparse.Namespace) -> Preparation:
             deadline=options.deadline,
         )
     return replace(preparation, seconds=replace(preparation.seconds, read=read))
+
+
+def _given_plan(task: Task, path: str) -> Plan:
+    """Read and check the robot's plan."""
+    try:
+        return robot_plan(task, read_text(path), path)
+    except NoPlanError as error:
+        cure = 'Leave --plan out, and a plan is made.'
+        raise NoPlanError(error.source, error.reason, cure=cure) from error
 
 
 def strategy_curves(

@@ -1,15 +1,16 @@
 """Plan texts in: every form that planners on robots write, checked against the task."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+import unified_planning.model as up
 from unified_planning.exceptions import UPException
 from unified_planning.model import FNode
 from unified_planning.model.walkers import StateEvaluator
 from unified_planning.plans import ActionInstance
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl import Task, atom_text, conjuncts, ground_text
 from mirror_explainer.pddl.simulation import Run, can_simulate, carry_out
@@ -32,6 +33,7 @@ _LASTING = re.compile(rf'\s*(?:d\s*:\s*)?(?P<seconds>{_NUMBER})\s*(?:;.*)?', re.
 _HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\s*', re.IGNORECASE)
 
 _ANOTHER_TASK = 'Give domain, problem and plan of one task; this plan seems to be for another.'
+_MOSTLY_FITS = 'Correct that line, or declare what it names: most of the plan fits the task.'
 _NOT_CURRENT = (
     'Give the problem with the state as it is now, and the plan with what is left to do from '
     'there; publish both, one right after the other, whenever either changes.'
@@ -41,6 +43,15 @@ _UNCHECKED = (
     'the plan cannot be checked: the problem may use more of PDDL than actions without duration, '
     'or leave numbers without a first value'
 )
+
+
+@dataclass(frozen=True)
+class _Misfit:
+    """Why a step is no action of the task; and the unknown name in it, with those there are."""
+
+    reason: str
+    unknown: str = ''
+    known: Iterable[str] = ()
 
 
 @dataclass(frozen=True)
@@ -108,7 +119,7 @@ def check_plan(
     condition it lacks, or the goal that the plan does not reach; or says that
     there is more to check than the limits allow.
     """
-    plan = [_action_instance(task, step, source) for step in steps]
+    plan = _action_instances(task.model, steps, source)
     if limits:
         count = instances(task.model, [instance.action for instance in plan])
         limits.require('max_instances', count, 'the facts to look at to check it', source)
@@ -169,43 +180,49 @@ def _steps(text: str, source: str) -> Iterator[Step]:
         yield Step(tuple(words.lower().split()), number, start, end)
 
 
-def _action_instance(task: Task, step: Step, source: str) -> ActionInstance:
-    """Return unified-planning's action for a step, or raise InputError with its line."""
-    name, *arguments = step.words
-    model = task.model
-    if not model.has_action(name):
-        raise InputError(
-            source, f'the domain has no action "{name}"', step.line, cure=_ANOTHER_TASK
-        )
-    action = model.action(name)
-    if len(arguments) != len(action.parameters):
-        count = len(action.parameters)
+def _action_instances(
+    model: up.Problem, steps: tuple[Step, ...], source: str
+) -> list[ActionInstance]:
+    """Return unified-planning's actions for the steps; raise InputError for the first misfit."""
+    actions = {action.name: action for action in model.actions}
+    objects = {item.name: item for item in model.all_objects}
+    misfits = [(misfit, step) for step in steps if (misfit := _misfit(step, actions, objects))]
+    if misfits:
+        misfit, step = misfits[0]
         raise InputError(
             source,
-            f'{step.action}: "{name}" takes {count} arguments',
+            misfit.reason + did_you_mean(misfit.unknown, misfit.known),
             step.line,
-            cure=_ANOTHER_TASK,
+            cure=_MOSTLY_FITS if 2 * len(misfits) <= len(steps) else _ANOTHER_TASK,
         )
-    objects = []
-    for argument, parameter in zip(arguments, action.parameters, strict=True):
-        if not model.has_object(argument):
-            raise InputError(
-                source,
-                f'{step.action}: the problem has no object "{argument}"',
-                step.line,
-                cure=_ANOTHER_TASK,
+    promoted = model.environment.expression_manager.auto_promote
+    return [
+        ActionInstance(actions[name], promoted([objects[word] for word in arguments]))
+        for name, *arguments in (step.words for step in steps)
+    ]
+
+
+def _misfit(
+    step: Step, actions: Mapping[str, up.Action], objects: Mapping[str, up.Object]
+) -> _Misfit | None:
+    """Return in what a step does not fit the task, None if it does."""
+    name, *arguments = step.words
+    if name not in actions:
+        return _Misfit(f'the domain has no action "{name}"', name, actions)
+    parameters = actions[name].parameters
+    if len(arguments) != len(parameters):
+        return _Misfit(f'{step.action}: "{name}" takes {len(parameters)} arguments')
+    for argument, parameter in zip(arguments, parameters, strict=True):
+        if argument not in objects:
+            reason = f'{step.action}: the problem has no object "{argument}"'
+            return _Misfit(reason, argument, objects)
+        of_type = objects[argument].type
+        if not parameter.type.is_compatible(of_type):
+            return _Misfit(
+                f'{step.action}: {argument} is of type {of_type.name}, '
+                f'but "{name}" takes a {parameter.type.name} there'
             )
-        item = model.object(argument)
-        if not parameter.type.is_compatible(item.type):
-            raise InputError(
-                source,
-                f'{step.action}: {argument} is of type {item.type.name}, '
-                f'but "{name}" takes a {parameter.type.name} there',
-                step.line,
-                cure=_ANOTHER_TASK,
-            )
-        objects.append(item)
-    return ActionInstance(action, model.environment.expression_manager.auto_promote(objects))
+    return None
 
 
 def _failure(

@@ -6,6 +6,7 @@ variable for each uncertain fact; here also groups of which exactly one fact hol
 
 import heapq
 import math
+import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -150,18 +151,32 @@ def _distinct_goals(
 def _misspelt_objects(task: Task, user_model: UserModel) -> Iterator[str]:
     """Warn of objects that the problem does not have, but for a letter or two.
 
-    Others may come and go: the user model is for all problems of the robot.
+    Others may come and go: the user model is for all problems of the robot. So what stands
+    beside a name in one mapping, or differs from it in a number, is not what is meant by it.
     """
     wordings = [by for template in user_model.templates.values() for by in template.when.values()]
-    named = {*user_model.objects, *(name for by in wordings for name in by)}
     objects = {item.name.lower() for item in task.model.all_objects}
-    missing, unnamed = sorted(named - objects), sorted(objects - named)
-    if len(missing) * len(unnamed) > _MOST_COMPARISONS:
-        return
-    for name in missing:
-        if hint := did_you_mean(name, unnamed, cutoff=0.8):
+    unnamed_beside: dict[str, list[set[str]]] = {}
+    for names in (user_model.objects, *wordings):
+        if missing := names.keys() - objects:
+            unnamed = objects - names.keys()
+            for name in missing:
+                unnamed_beside.setdefault(name, []).append(unnamed)
+    left = _MOST_COMPARISONS
+    for name, unnamed_sets in sorted(unnamed_beside.items()):
+        unnamed = set.intersection(*unnamed_sets)
+        left -= len(unnamed)
+        if left < 0:
+            return
+        likely = [other for other in sorted(unnamed) if _lettering(other) != _lettering(name)]
+        if hint := did_you_mean(name, likely, cutoff=0.8):
             reason = f'the user model names the object "{name}", which the problem does not have'
             yield reason + hint
+
+
+def _lettering(name: str) -> str:
+    """Return what "box1" and "box22" have in common."""
+    return re.sub(r'\d+', '0', name)
 
 
 def _fact_factors(user_model: UserModel, initial_facts: frozenset[str]) -> Iterator[_Factor]:

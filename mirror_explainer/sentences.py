@@ -26,7 +26,7 @@ def template_faults(template: Template, parameters: tuple[str, ...]) -> list[str
     """Return what is wrong with a template of an action that has these parameters."""
     wordings = [template.template, *(w for by in template.when.values() for w in by.values())]
     faults = [
-        f'the action has no parameter "{name}" (it has {_listed(parameters)})'
+        f'the action has no parameter "{name}"' + _instead(name, parameters, '"%s"')
         for name in template.when
         if name not in parameters
     ]
@@ -39,8 +39,8 @@ def template_faults(template: Template, parameters: tuple[str, ...]) -> list[str
         for _, name, spec, conversion in fields:
             if name is not None and name not in parameters:
                 faults.append(
-                    f'"{wording}": {{{name}}} is no parameter of the action '
-                    f'(it has {_listed(parameters)})'
+                    f'"{wording}": {{{name}}} is no parameter of the action'
+                    + _instead(name, parameters, '{%s}')
                 )
             elif spec or conversion:
                 faults.append(f'"{wording}": write {{{name}}} without a format')
@@ -90,5 +90,9 @@ def _readable(name: str) -> str:
     return name.replace('-', ' ').replace('_', ' ')
 
 
-def _listed(names: tuple[str, ...]) -> str:
-    return ', '.join(names) or 'none'
+def _instead(name: str, parameters: tuple[str, ...], form: str) -> str:
+    """Say what to write for a name that is no parameter, in this form, or what there is."""
+    plain = name.removeprefix('?').lower()
+    if plain in parameters:
+        return f' (write {form % plain})'
+    return f' (it has {", ".join(parameters) or "none"})'

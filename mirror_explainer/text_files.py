@@ -3,6 +3,7 @@
 import errno
 import os
 import stat
+from pathlib import Path
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
@@ -35,8 +36,27 @@ def read_text(path: str, limits: InputLimits | None = None) -> str:
         line = error.object.count(b'\n', 0, error.start) + 1
         raise InputError(path, f'this is no UTF-8 text: {error.reason}', line) from error
     except (OSError, ValueError) as error:  # the latter for a path that no file can have
+        reason = f'the file cannot be read: {getattr(error, "strerror", None) or error}'
+        cure = _path_cure(path) if isinstance(error, FileNotFoundError) else ''
+        raise InputError(path, reason, cure=cure) from error
+
+
+def write_text(path: str, text: str) -> None:
+    """Write a file; raises InputError that names it if it cannot be written."""
+    try:
+        Path(path).write_text(text, encoding='utf-8')
+    except (OSError, ValueError) as error:
         reason = getattr(error, 'strerror', None) or error
-        raise InputError(path, f'the file cannot be read: {reason}') from error
+        raise InputError(path, f'the file cannot be written: {reason}') from error
+
+
+def _path_cure(path: str) -> str:
+    """Say what there is to check about the path of a file that is not there."""
+    if path.startswith('~'):
+        return 'Write the whole path, from "/" on: "~" is not expanded here.'
+    if not os.path.isabs(path):
+        return 'Check the path: unless it is absolute, it begins where the program was started.'
+    return ''
 
 
 def _open_at_once(path: str, flags: int) -> int:

@@ -24,12 +24,11 @@ from mirror_explainer.user_model_checks import (
     sentence_faults,
 )
 from mirror_explainer.user_model_file import (
-    Fault,
     GoalEntry,
     UserModelFile,
     parse_yaml,
     report,
-    schema_reason,
+    schema_fault,
     text_faults,
 )
 
@@ -80,7 +79,7 @@ def read_user_model(
         file: UserModelFile | None = UserModelFile.model_validate(data)
     except ValidationError as error:
         file = None
-        faults += [Fault(detail['loc'], schema_reason(detail)) for detail in error.errors()]
+        faults += map(schema_fault, error.errors())
     goals, goal_faults = candidate_goals(data, Path(path), task, read)
     if limits:
         limits.require('max_goals', len(goals), 'its goals', source)

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl import Task, fluent_expression, goal_expression
 from mirror_explainer.sentences import Template, template_faults
 from mirror_explainer.user_model_file import Fault, GoalEntry
@@ -50,7 +50,7 @@ def candidate_goals(
     for candidate in candidates:
         faults += _goal_faults(candidate, task)
     goals = [candidate.entry for candidate in candidates if candidate.entry]
-    return goals, [*faults, *_name_faults(candidates), *_weight_faults(goals)]
+    return goals, [*faults, *_name_faults(candidates), *_weight_faults(candidates)]
 
 
 def _listed(goals: Sequence[Any]) -> Iterator[_Candidate]:
@@ -96,11 +96,13 @@ def _name_faults(candidates: Sequence[_Candidate]) -> Iterator[Fault]:
             names.add(name)
 
 
-def _weight_faults(goals: Sequence[GoalEntry]) -> Iterator[Fault]:
-    weights = [goal.probability for goal in goals]
-    if None in weights and any(weight is not None for weight in weights):
-        yield Fault(('goals',), 'give every goal a probability, or none')
-    elif weights and None not in weights and not any(weights):
+def _weight_faults(candidates: Sequence[_Candidate]) -> Iterator[Fault]:
+    weights = {c.path: c.entry.probability for c in candidates if c.entry}
+    missing = [path for path, weight in weights.items() if weight is None]
+    if missing and len(missing) < len(weights):
+        for path in missing:
+            yield Fault(path, 'it has no probability: give every goal one, or none')
+    elif weights and not missing and not any(weights.values()):
         yield Fault(('goals',), 'every goal has probability 0')
 
 
@@ -147,7 +149,8 @@ def sentence_faults(
     for action, entry in sentences.items() if isinstance(sentences, dict) else ():
         path = ('sentences', action)
         if not isinstance(action, str) or action.lower() not in parameters:
-            yield Fault(path, f'the domain has no action "{action}"')
+            hint = did_you_mean(str(action).lower(), parameters)
+            yield Fault(path, f'the domain has no action "{action}"{hint}')
             continue
         for reason in template_faults(_wording(entry), parameters[action.lower()]):
             yield Fault(path, reason)
@@ -162,7 +165,7 @@ def _wording(entry: object) -> Template:
         {
             name: {item: said for item, said in by_object.items() if isinstance(said, str)}
             for name, by_object in (when.items() if isinstance(when, dict) else ())
-            if isinstance(by_object, dict)
+            if isinstance(name, str) and isinstance(by_object, dict)
         },
     )
 

@@ -60,8 +60,15 @@ class UserModelFile(_Section):
     objects: dict[str, _Text] = {}
 
 
+_FIELDS = {
+    'goals': GoalEntry.model_fields,
+    'uncertain_facts': _UncertainFact.model_fields,
+    'one_of': _OneOf.model_fields,
+    'sentences': _Wording.model_fields,
+}
 # Far more than a model without aliases has.
 _MOST_NODES = 100_000
+_SPACES = 'Indent with spaces: YAML takes no tabs at the beginning of a line.'
 _QUOTES = 'Put texts with { at their beginning, or with a colon in them, in quotes.'
 # Control characters and halves of characters, but for white space, which a sentence has anyhow.
 _CONTROL = re.compile('[\0-\x08\x0e-\x1b\x7f-\x84\x86-\x9f\ud800-\udfff]')
@@ -98,7 +105,8 @@ def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
         mark = error.problem_mark or error.context_mark
         reason = f'no YAML that can be read: {error.problem or error.context}'
         line = mark.line + 1 if mark else None
-        raise InputError(source, reason, line, cure=_QUOTES) from error
+        cure = _SPACES if mark and _has_tab_indent(text, mark.line) else _QUOTES
+        raise InputError(source, reason, line, cure=cure) from error
     except (yaml.YAMLError, RecursionError, ValueError, LookupError, AttributeError) as error:
         # The last three: PyYAML's constructors meet a tag such as !!int on a text that is none.
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
@@ -106,6 +114,12 @@ def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
     if root is None or not isinstance(data, dict):
         raise InputError(source, 'the user model must be a mapping with "goals" or "hyps_file"', 1)
     return root, data
+
+
+def _has_tab_indent(text: str, row: int) -> bool:
+    """Say whether a line, counted from 0, begins with white space that has a tab."""
+    lines = text.split('\n')
+    return row < len(lines) and re.match(r' *\t', lines[row]) is not None
 
 
 def _require_few_nodes(root: yaml.Node, source: str) -> None:
@@ -169,18 +183,38 @@ def text_faults(root: yaml.Node) -> Iterator[Fault]:
             yield Fault(path, reason, _row(node))
 
 
-def schema_reason(detail: Mapping[str, Any]) -> str:
-    """Return a validation error in plain words."""
+def schema_fault(detail: Mapping[str, Any]) -> Fault:
+    """Return a validation error in plain words, and its place."""
+    path = detail['loc']
+    if detail['type'] == 'invalid_key' or path[-1] == '[key]':
+        above = path[:-1] if detail['type'] == 'invalid_key' else path[:-2]
+        return Fault((*above, str(detail['input'])), _key_reason(detail['input']))
+    return Fault(path, _schema_reason(detail))
+
+
+def _key_reason(key: object) -> str:
+    """Say what may be meant by something that is no text, but stands where a key should."""
+    if isinstance(key, int) and not isinstance(key, bool):
+        return 'a number stands here as a key; decimals have a point: 0.5, not 0,5'
+    return 'to YAML this key is no text: put it in quotes'
+
+
+def _schema_reason(detail: Mapping[str, Any]) -> str:
+    """Return a validation error that is not of a key in plain words."""
     if detail['type'] == 'extra_forbidden':
-        key = detail['loc'][-1]
-        known = UserModelFile.model_fields if len(detail['loc']) == 1 else ()
-        return 'unknown key' + did_you_mean(str(key), known)
+        section, *inside = detail['loc']
+        fields = _FIELDS[section] if inside else UserModelFile.model_fields
+        return 'unknown key' + did_you_mean(str(detail['loc'][-1]), fields)
     if detail['type'] == 'missing':
         return 'this key is missing'
     if detail['type'] == 'float_type' and isinstance(detail['input'], str):
         exponential = re.fullmatch(r'[-+]?\d+e[-+]?\d+', detail['input'], re.IGNORECASE)
+        decimal = re.fullmatch(r'([-+]?\d*),(\d+)', detail['input'])
         hint = ' (YAML wants a point in 1.0e-3)' if exponential else ''
+        hint = f' (a decimal has a point: {decimal[1] or 0}.{decimal[2]})' if decimal else hint
         return f'"{detail["input"]}" is a text, not a number{hint}'
+    if detail['type'] == 'model_type' and detail['loc'][0] == 'sentences':
+        return 'this should be the sentence as a text, or a mapping with "template" and "when"'
     if detail['type'] in ('model_type', 'dict_type'):
         return 'this should be a mapping: "key: value" lines, or {key: value}'
     if detail['type'] == 'list_type':

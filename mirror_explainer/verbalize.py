@@ -5,7 +5,6 @@ import json
 import logging
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from mirror_explainer import defaults
@@ -20,7 +19,7 @@ from mirror_explainer.offline import (
 from mirror_explainer.options import number, whole
 from mirror_explainer.selection import informative_order
 from mirror_explainer.strategies import STRATEGIES
-from mirror_explainer.text_files import read_text
+from mirror_explainer.text_files import read_text, write_text
 
 _log = logging.getLogger('mirror_explainer')
 
@@ -33,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         text = _verbalize(options)
         if options.output:
-            Path(options.output).write_text(text + '\n', encoding='utf-8')
+            write_text(options.output, text + '\n')
         else:
             print(text)
     except (InputError, PlanningError, OSError) as error:

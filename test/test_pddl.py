@@ -94,10 +94,26 @@ DOMAIN_FAULTS = {
         'are the two mixed up?',
     ),
     'a plan': ('(press s1 l1)', 'domain, line 1: this is no PDDL domain'),
-    'unknown type': (DOMAIN.replace('?l - lamp)', '?l - lmp)', 1), 'domain, line 5: '),
+    'unknown type': (
+        DOMAIN.replace('?l - lamp)', '?l - lmp)', 1),
+        'domain, line 5: Undefined parameter\'s type: lmp (did you mean "lamp"?)',
+    ),
     'unknown predicate': (
         DOMAIN.replace('(power))\n    :eff', '(powr))\n    :eff'),
-        'domain, line 8: ',
+        'domain, line 8: unknown name "powr" (did you mean "power"?)',
+    ),
+    'arguments in the wrong order': (
+        DOMAIN.replace('(and (wired ?s ?l)', '(and\n(WIRED ?l  ?s)'),
+        "domain, line 9: The expression '(wired(l, s) and power)' does not fit its declaration",
+    ),
+    'arguments in the wrong order, in one of two places': (
+        DOMAIN.replace('(and (wired ?s ?l)', '(and (wired ?l ?s)').rstrip()[:-1]
+        + '(:action tear :parameters (?s - lamp ?l - switch) :effect (not (wired ?l ?s))))',
+        "domain: The expression '(wired(l, s) and power)' does not fit its declaration",
+    ),
+    'unknown requirement': (
+        DOMAIN.replace(':typing', '; :no\n :TYPNG'),
+        'domain, line 4: unified-planning knows no requirement ":typng" (did you mean ":typing"?)',
     ),
     'unknown variable': (DOMAIN.replace('(lit ?l)))', '(lit ?x)))'), 'domain, line 9: '),
     'unknown section': (DOMAIN.replace(':precondition', ':precond'), 'domain, line 8: '),
@@ -125,7 +141,18 @@ PROBLEM_FAULTS = {
     'a domain': (DOMAIN, 'problem, line 2: this is a PDDL domain, but a problem is expected'),
     'unknown object': (PROBLEM.replace('(wired s1 l1)', '(wired s1 l9)'), 'problem, line 6: '),
     'unknown predicate': (PROBLEM.replace('(power)', '(powr)'), 'problem, line 5: '),
-    'unknown type': (PROBLEM.replace('- switch', '- swich'), 'problem, line 4: '),
+    'unknown predicate in the goal': (
+        PROBLEM.replace('(lit l1)', '(and (lit l1) (powr))'),
+        'problem, line 7: unknown name "powr" (did you mean "power"?)',
+    ),
+    'unknown object in the goal': (
+        PROBLEM.replace('l1', 'lamp1').replace('(lit lamp1)', '(lit lamb1)'),
+        'problem, line 7: unknown name "lamb1" (did you mean "lamp1"?)',
+    ),
+    'unknown type': (
+        PROBLEM.replace('- switch', '- swich'),
+        'problem, line 4: \'swich\' is not declared (did you mean "switch"?)',
+    ),
     'wrong type': (
         PROBLEM.replace('(lit l1)', '(lit s1)'),
         "problem, line 7: The expression 'lit(s1)' does not fit its declaration",

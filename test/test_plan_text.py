@@ -172,10 +172,18 @@ def test_a_problem_that_no_plan_can_be_checked_for_is_told(warehouse) -> None:
 
 
 FAILURES = {
-    'unknown action': ('(mov left center)', 'plan, line 1: the domain has no action "mov"'),
+    'unknown action': (
+        '(mov left center)',
+        'plan, line 1: the domain has no action "mov" (did you mean "move"?)',
+    ),
+    'unknown action that is like no other': (
+        '(xyz)',
+        'plan, line 1: the domain has no action "xyz"',
+    ),
     'unknown object': (
         '(move left centre)',
-        'plan, line 1: (move left centre): the problem has no object "centre"',
+        'plan, line 1: (move left centre): the problem has no object "centre" '
+        '(did you mean "center"?)',
     ),
     'too few arguments': (
         '(move left)',
@@ -217,6 +225,24 @@ def test_a_plan_that_fails_is_refused_with_action_and_condition(
         robot_plan(task, text)
 
     assert str(refused.value) == said
+
+
+@pytest.mark.parametrize(
+    ('text', 'cure'),
+    [
+        ('(move left center)\n(mov center doors)', 'Correct that line'),
+        ('(move left center)\n(move center)', 'Correct that line'),
+        ('(move left center)\n(mov center doors)\n(grb red_cube doors)', 'Give domain, problem'),
+        ('(mov left center)', 'Give domain, problem'),
+    ],
+)
+def test_a_plan_of_which_half_fits_is_not_taken_for_one_of_another_task(
+    task: Task, text: str, cure: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        robot_plan(task, text)
+
+    assert refused.value.cure.startswith(cure)
 
 
 def test_the_step_that_fails_is_counted_in_the_order_of_time(task: Task) -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Belief
 from mirror_explainer.prior import Prior, belief_prior
+from mirror_explainer.sentences import Template
 from mirror_explainer.user_model import CandidateGoal, UserModel
 
 FACTS = ('(a)', '(b)', '(c)')
@@ -279,16 +280,18 @@ def test_a_robot_that_the_user_rules_out_gets_a_millionth_and_a_warning(
     assert prior.warnings == (f'the user model rules out what is true of the robot: {said}',)
 
 
+TRUE_GOAL = (
+    'goals: [{goal: (and (holding blue_cube) (holding red_circle) (outside bottom_door))}]\n'
+)
+WHEN = 'sentences: {move: {template: "On.", when: {b: {%s: "In."}}}}\n'
+
+
 def test_an_object_that_is_misspelt_is_warned_of_and_one_that_is_merely_not_there_is_not(
     read_model, task: Task
 ) -> None:
-    goal = (
-        'goals: [{goal: (and (holding blue_cube) (holding red_circle) (outside bottom_door))}]\n'
-    )
     names = 'objects: {red_circel: a circle, red_cube: a cube, yellow_ball: a ball}\n'
-    when = 'sentences: {move: {template: "On.", when: {b: {red_rom: "In."}}}}\n'
 
-    prior = belief_prior(task, read_model(goal + names + when))
+    prior = belief_prior(task, read_model(TRUE_GOAL + names + WHEN % 'red_rom'))
 
     assert prior.warnings == (
         'the user model names the object "red_circel", which the problem does not have '
@@ -296,6 +299,41 @@ def test_an_object_that_is_misspelt_is_warned_of_and_one_that_is_merely_not_ther
         'the user model names the object "red_rom", which the problem does not have '
         '(did you mean "red_room"?)',
     )
+
+
+@pytest.mark.parametrize(
+    ('objects', 'when'),
+    [('red_room: the red one', 'red_rom'), ('red_rom: the red one', 'red_room')],
+    ids=['in a wording', 'among the objects'],
+)
+def test_a_misspelt_object_is_warned_of_though_it_is_spelt_well_elsewhere(
+    read_model, task: Task, objects: str, when: str
+) -> None:
+    prior = belief_prior(task, read_model(f'{TRUE_GOAL}objects: {{{objects}}}\n{WHEN % when}'))
+
+    assert prior.warnings == (
+        'the user model names the object "red_rom", which the problem does not have '
+        '(did you mean "red_room"?)',
+    )
+
+
+@pytest.mark.parametrize(
+    ('objects', 'when'),
+    [({'hall': 'the hall', 'halls': 'all halls'}, 'halls'), ({'hall': 'the hall'}, 'room_1')],
+    ids=['named beside it', 'another number'],
+)
+def test_an_object_of_another_problem_is_not_taken_for_a_like_one(
+    objects: dict[str, str], when: str
+) -> None:
+    places = '(:objects hall room_2 - place)'
+    task = read_task(
+        DOMAIN.replace('(:predicates', '(:types place) (:predicates'),
+        f'(define (problem p) (:domain d) {places} (:init) (:goal (g0)))',
+    )
+    templates = {'win': Template('I win.', {'r': {when: 'I win there.'}})}
+    user_model = UserModel(candidates(('(g0)', 1)), templates=templates, objects=objects)
+
+    assert belief_prior(task, user_model).warnings == ()
 
 
 def test_an_unlisted_goal_of_probability_zero_still_leaves_the_robot_possible() -> None:

@@ -78,6 +78,8 @@ def test_the_warehouse_actions_have_their_parameters_in_order(task: Task) -> Non
     ('wording', 'fault'),
     [
         ('{c}', '"{c}": {c} is no parameter of the action (it has a, b)'),
+        ('{?a}', '"{?a}": {?a} is no parameter of the action (write {a})'),
+        ('{B}', '"{B}": {B} is no parameter of the action (write {b})'),
         ('{}', '"{}": {} is no parameter of the action (it has a, b)'),
         ('{0}', '"{0}": {0} is no parameter of the action (it has a, b)'),
         (
@@ -96,12 +98,13 @@ def test_a_template_may_name_nothing_but_the_parameters(wording: str, fault: str
 
 
 def test_unbalanced_braces_and_unknown_parameters_of_when_are_faults() -> None:
-    faults = template_faults(Template('{a', {'z': {'x': '}'}}), ('a',))
+    faults = template_faults(Template('{a', {'z': {'x': '}'}, '?A': {}}), ('a',))
 
     assert faults[0] == 'the action has no parameter "z" (it has a)'
-    assert faults[1].startswith('"{a": ')
-    assert faults[2].startswith('"}": ')
-    assert len(faults) == 3
+    assert faults[1] == 'the action has no parameter "?A" (write "a")'
+    assert faults[2].startswith('"{a": ')
+    assert faults[3].startswith('"}": ')
+    assert len(faults) == 4
 
 
 def test_a_good_template_has_no_faults() -> None:

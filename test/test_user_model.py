@@ -136,7 +136,7 @@ objects: {red_circle: 3}
         [
             '10 faults: line 2: goals[0].goal: (holdin red_circle): '
             'the domain has no predicate "holdin" (did you mean "holding"?)',
-            'line 3: goals[0].probabilty: unknown key',
+            'line 3: goals[0].probabilty: unknown key (did you mean "probability"?)',
             'line 4: goals[1].goal: the problem has no object "green_cube" '
             '(did you mean "red_cube"?)',
             'line 6: uncertain_facts[0].fact: (charged 1): "charged" takes 0 arguments, not 1',
@@ -175,6 +175,46 @@ FAULTS = {
         2,
         'rationalty: unknown key (did you mean "rationality"?)',
     ),
+    'a misspelt key of a goal': (
+        'goals: [{goal: (charged), nme: x}]',
+        1,
+        'goals[0].nme: unknown key (did you mean "name"?)',
+    ),
+    'a misspelt key of a fact': (
+        GOAL + 'uncertain_facts: [{fact: (charged), probability: 0.5, fakt: x}]',
+        2,
+        'uncertain_facts[0].fakt: unknown key (did you mean "fact"?)',
+    ),
+    'a misspelt key of a group': (
+        GOAL + 'one_of: [{facts: {(charged): 1}, facst: {}}]',
+        2,
+        'one_of[0].facst: unknown key (did you mean "facts"?)',
+    ),
+    'a misspelt key of a wording': (
+        GOAL + 'sentences:\n  grab:\n    template: x\n    whn: {}',
+        5,
+        'sentences.grab.whn: unknown key (did you mean "when"?)',
+    ),
+    'a decimal comma in braces': (
+        GOAL + 'uncertain_facts:\n- {fact: (charged), probability: 0,6}',
+        3,
+        'uncertain_facts[0].6: a number stands here as a key; decimals have a point: 0.5, not 0,5',
+    ),
+    'decimal commas in a group': (
+        GOAL + 'one_of: [{facts: {(charged): 1,5}}]',
+        None,
+        '2 faults: line 2: one_of[0].facts.5: a number stands here as a key; decimals have a poi',
+    ),
+    'a decimal comma': (
+        GOAL + 'rationality: 0,8',
+        2,
+        'rationality: "0,8" is a text, not a number (a decimal has a point: 0.8)',
+    ),
+    'a key that is no text to YAML': (
+        GOAL + 'objects: {on: the switch}',
+        2,
+        'objects.True: to YAML this key is no text: put it in quotes',
+    ),
     'a key twice': (
         GOAL + 'rationality: 1.0\nrationality: 2.0',
         3,
@@ -198,9 +238,14 @@ FAULTS = {
         'goals[1]: another candidate is named "x" too',
     ),
     'probabilities for some goals': (
+        'goals:\n- {goal: (charged), probability: 1}\n- {goal: (and)}\n- {goal: (or)}',
+        None,
+        '2 faults: line 3: goals[1]: it has no probability: give every goal one, or none; line ',
+    ),
+    'a probability for all goals but one': (
         'goals:\n- {goal: (charged), probability: 1}\n- {goal: (and)}',
-        1,
-        'goals: give every goal a probability, or none',
+        3,
+        'goals[1]: it has no probability: give every goal one, or none',
     ),
     'no goal likely': (
         'goals: [{goal: (charged), probability: 0}]',
@@ -243,10 +288,20 @@ FAULTS = {
     ),
     'an empty group': (GOAL + 'one_of: [{facts: {}}]', 2, 'one_of[0].facts: there is nothing'),
     'facts left blank': (GOAL + 'uncertain_facts:', 2, 'uncertain_facts: this should be a list'),
+    'a sentence for a misspelt action': (
+        GOAL + 'sentences: {Gab: "I will grab {i}."}',
+        2,
+        'sentences.Gab: the domain has no action "Gab" (did you mean "grab"?)',
+    ),
     'a template that is none': (
         GOAL + 'sentences: {grab: 5}',
         2,
-        'sentences.grab: this should be a mapping',
+        'sentences.grab: this should be the sentence as a text, or a mapping with "template" and ',
+    ),
+    'a sentence left blank': (
+        GOAL + 'sentences: {grab: }',
+        2,
+        'sentences.grab: this should be the sentence as a text, or a mapping with "template" and ',
     ),
     'a blank template': (
         GOAL + 'sentences: {grab: {template: ""}}',
@@ -262,6 +317,16 @@ FAULTS = {
         GOAL + 'sentences:\n  exit: "Bye."\n  grab: "{i:>999999999}"',
         4,
         'sentences.grab: "{i:>999999999}": write {i} without a format',
+    ),
+    'a template that names a parameter as PDDL does': (
+        GOAL + 'sentences: {grab: "{?i}"}',
+        2,
+        'sentences.grab: "{?i}": {?i} is no parameter of the action (write {i})',
+    ),
+    'when for no text': (
+        GOAL + 'sentences: {grab: {template: x, when: {yes: {left: y}}}}',
+        2,
+        'sentences.grab.when.True: to YAML this key is no text: put it in quotes',
     ),
     'when for another parameter': (
         GOAL + 'sentences: {grab: {template: x, when: {b: {left: y}}}}',
@@ -297,6 +362,23 @@ def test_a_fault_is_told_with_its_line(
     assert refused.value.reason.startswith(said.replace('{folder}', str(path.parent)))
     assert refused.value.line == line
     assert refused.value.source == str(path)
+
+
+@pytest.mark.parametrize(
+    ('text', 'cure'),
+    [
+        ('goals:\n  - name: x\n\tgoal: (charged)', 'Indent with spaces'),
+        ('goals:\n  \t- goal: (charged)', 'Indent with spaces'),
+        (GOAL + 'sentences: {grab:\tNow: x}', 'Put texts with {'),
+    ],
+)
+def test_a_tab_at_the_beginning_of_a_line_has_a_cure_of_its_own(
+    model_file: Callable[[str], Path], text: str, cure: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        read_user_model(model_file(text))
+
+    assert refused.value.cure.startswith(cure)
 
 
 def test_faults_inside_an_entry_with_another_fault_are_told_too(read_model) -> None:

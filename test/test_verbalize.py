@@ -196,7 +196,18 @@ def test_a_file_that_is_missing_is_named(command) -> None:
 
     assert (done.returncode, done.stdout) == (2, '')
     assert done.stderr == (
-        'verbalize: no_domain.pddl: the file cannot be read: No such file or directory\n'
+        'verbalize: no_domain.pddl: the file cannot be read: No such file or directory. Check the '
+        'path: unless it is absolute, it begins where the program was started.\n'
+    )
+
+
+def test_an_output_that_cannot_be_written_is_named(verbalize) -> None:
+    done = verbalize('--output', '/nowhere/said.txt', '-n', '1')
+
+    assert done == Done(
+        2,
+        '',
+        'verbalize: /nowhere/said.txt: the file cannot be written: No such file or directory\n',
     )
 
 
@@ -271,11 +282,11 @@ def test_an_empty_plan_is_told(verbalize, tmp_path: Path) -> None:
     plan = tmp_path / 'plan.txt'
     plan.write_text('; cost = 0\n')
 
-    done = verbalize(plan=plan)
-
-    assert done.returncode == 2
-    assert done.stderr.startswith(
-        f'verbalize: {plan}: the robot has no current plan. Nothing is to be'
+    assert verbalize(plan=plan) == Done(
+        2,
+        '',
+        f'verbalize: {plan}: the robot has no current plan. '
+        'Leave --plan out, and a plan is made.\n',
     )
 
 

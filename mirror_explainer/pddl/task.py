@@ -24,7 +24,12 @@ from mirror_explainer.pddl.either_types import (
 )
 from mirror_explainer.pddl.expressions import NESTED, Expressions, as_text, nested_words
 from mirror_explainer.pddl.readable import require_readable
-from mirror_explainer.pddl.reader_errors import READER_ERRORS, input_error
+from mirror_explainer.pddl.reader_errors import (
+    READER_ERRORS,
+    declared_names,
+    input_error,
+    require_known_requirements,
+)
 from mirror_explainer.pddl.sections import (
     line_at,
     section,
@@ -143,7 +148,8 @@ def _read_model(texts: Texts, rest: str, facts: Sequence[PlainFact]) -> up.Probl
     except READER_ERRORS as error:
         _raise_for_domain_alone(readable, texts.domain_source)
         hint = _domain_hint(texts)
-        raise input_error(error, texts.problem, texts.problem_source, hint) from error
+        names = declared_names(readable, texts.problem)
+        raise input_error(error, texts.problem, texts.problem_source, hint, names) from error
     for name, line in types_in_predicates(texts.domain):
         if name != 'object' and name not in {item.name for item in model.user_types}:
             raise InputError(texts.domain_source, f'the type {name} is not declared', line)
@@ -219,7 +225,8 @@ def _raise_for_domain_alone(domain: str, source: str) -> None:
     try:
         PDDLReader().parse_problem_string(domain)
     except READER_ERRORS as error:
-        raise input_error(error, domain, source, '') from error
+        require_known_requirements(domain, source)
+        raise input_error(error, domain, source, '', declared_names(domain)) from error
 
 
 def _domain_hint(texts: Texts) -> str:
