@@ -33,7 +33,7 @@ def _number(
 PARAMETERS = (
     ('domain_file', '', _text('PDDL domain; a message on "domain" replaces it', True)),
     ('user_model_file', '', _text('YAML: what the listener may believe')),
-    ('n', defaults.SENTENCES, _count('how many sentences an answer has, if the plan has as many', 1, 1000)),
+    ('n', defaults.SENTENCES, _count('sentences of an answer, if the plan has them', 1, 1000)),
     (
         'threshold',
         0.0,
