@@ -100,7 +100,7 @@ def test_many_answers_after_what_was_said_take_no_more_memory_than_a_few(listene
         for _ in range(20):
             ask()
         gc.collect()
-        sizes.append(sum(isinstance(thing, Explanation) for thing in gc.get_objects()))
+        sizes.append(sum(type(thing) is Explanation for thing in gc.get_objects()))
 
     assert sizes[0] == sizes[1] == sizes[2]
 
