@@ -364,6 +364,11 @@ FEATURES = {
         None,
         3.0,
     ),
+    'a cost so far that no metric asks for': (
+        tour([], [('(= (total-cost) 0)', '(= (total-cost) 0.5)'), NO_METRIC]),
+        None,
+        3.0,
+    ),
     'total time without durations': (
         tour([], [('(total-cost)))', '(total-time)))')]),
         None,

@@ -68,7 +68,7 @@ def read_lists(
     metric = sections.get(':metric')
     if not metric:
         domain = _without_costs(domain)  # the translator wants a value for each all the same
-    values = _cost_values(domain, init)
+    values = _cost_values(domain, init) if metric else []
     scale = _scale([*_increases(domain), *(value[2] for value in values)])
     return Lists(
         domain=_scaled(_with_constants(domain, constants), scale),
