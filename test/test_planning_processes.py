@@ -85,6 +85,14 @@ def test_closing_from_another_thread_cancels_and_leaves_no_process_or_file(
     assert not list(tmp_path.iterdir())
 
 
+def signalled_workers(before: set[int], number: signal.Signals) -> set[int]:
+    """Send a signal to the workers started since; return them."""
+    workers = child_sessions() - before
+    for worker in workers:
+        os.kill(worker, number)
+    return workers
+
+
 @pytest.mark.parametrize('shortcuts', [True, False], ids=['fast', 'one by one'])
 @pytest.mark.parametrize('ignored', [False, True], ids=['usual', 'SIGCHLD ignored'])
 def test_a_killed_worker_is_replaced(
@@ -96,9 +104,7 @@ def test_a_killed_worker_is_replaced(
     before = child_sessions()
     with Planner(workers=1, shortcuts=shortcuts) as planner:
         planner.plan(TOOLS, [Belief(0)])
-        workers = child_sessions() - before
-        for worker in workers:
-            os.kill(worker, signal.SIGKILL)
+        workers = signalled_workers(before, signal.SIGKILL)
         eventually(lambda: not any(map(processes_of, workers)), 'the end of the workers')
         report = planner.plan(TOOLS, [Belief(0, TOOLS_SHARP)])
 
@@ -106,24 +112,16 @@ def test_a_killed_worker_is_replaced(
     assert report.results[0].plans[0].cost == 2 + 1
 
 
-def stopped_workers(before: set[int]) -> set[int]:
-    """Stop the workers started since, as a machine does that is out of memory; return them."""
-    workers = child_sessions() - before
-    for worker in workers:
-        os.kill(worker, signal.SIGSTOP)
-    return workers
-
-
 def test_a_worker_that_does_not_even_read_holds_up_nothing() -> None:
     before = child_sessions()
     # More than the buffer of its connection holds.
     long = replace(TOOLS, problem=TOOLS.problem + '\n;' + 'x' * 900_000)
     with Planner('fast-downward-opt') as planner:
-        stopped = stopped_workers(before)
+        stopped = signalled_workers(before, signal.SIGSTOP)
         report = planner.plan(long, [Belief(0)], deadline=0.2)
         again = planner.plan(TOOLS, [Belief(0)])
         assert not stopped & child_sessions()
-        stopped_workers(before)
+        signalled_workers(before, signal.SIGSTOP)
         asking = Asking(planner, long, threading.Event())
         time.sleep(0.1)
     asking.join(timeout=60.0)
@@ -139,7 +137,7 @@ def test_without_a_folder_for_the_next_worker_that_is_what_is_said(
 ) -> None:
     before = child_sessions()
     with Planner('fast-downward-opt') as planner:
-        stopped_workers(before)
+        signalled_workers(before, signal.SIGSTOP)
         monkeypatch.setattr(tempfile, 'tempdir', '/nowhere')
         report = planner.plan(TOOLS, [Belief(0)], deadline=0.2)
 
@@ -302,8 +300,7 @@ def test_a_worker_killed_in_the_middle_of_a_search_is_replaced() -> None:
     with Planner('fast-downward-opt', planning_timeout=1.0) as planner:
         asking = Asking(planner, HARD, threading.Event())
         eventually(lambda: searches_of(child_sessions() - before), 'a search')
-        for session in child_sessions() - before:
-            os.kill(session, signal.SIGKILL)
+        signalled_workers(before, signal.SIGKILL)
         asking.join(timeout=60.0)
         report = planner.plan(HARD, [Belief(0), Belief(1)])
 
