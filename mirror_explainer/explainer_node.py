@@ -319,10 +319,7 @@ def main(args: Sequence[str] | None = None) -> None:
     node = None
     executor = MultiThreadedExecutor(THREADS)
     try:
-        try:
-            node = ExplainerNode()
-        except ParameterException as error:
-            parser.error(str(error))
+        node = ExplainerNode()
         if log_fault:
             _log.warning('there is no log file: %s', log_fault)
         if options.log_level:
@@ -332,6 +329,8 @@ def main(args: Sequence[str] | None = None) -> None:
             _spin_once(executor)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except ParameterException as error:
+        parser.error(str(error))
     except RCLError:
         if rclpy.ok():  # otherwise a signal came just before the executor waited
             raise
