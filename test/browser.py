@@ -75,6 +75,7 @@ def chromium():
     playwright = pytest.importorskip(
         'playwright.sync_api', reason='playwright is not installed (the extra [test])'
     )
+    playwright.expect.set_options(timeout=PATIENCE)
     if CHROMIUM is None:
         pytest.skip('there is no /usr/bin/chromium: apt install chromium')
     with playwright.sync_playwright() as driver:
@@ -84,10 +85,12 @@ def chromium():
 
 
 @contextmanager
-def person(chromium, screen: str = 'desktop'):
+def person(chromium, screen: str = 'desktop', scripts: bool = True):
     """Yield a page of a browser of one's own, which must not report any error in the end."""
     width, height = SCREENS[screen]
-    context = chromium.new_context(viewport={'width': width, 'height': height})
+    context = chromium.new_context(
+        viewport={'width': width, 'height': height}, java_script_enabled=scripts
+    )
     context.set_default_timeout(PATIENCE)
     page = context.new_page()
     page.errors = []

@@ -15,7 +15,7 @@ pytest.importorskip('django', reason='the extra [web] is not installed')
 pytest.importorskip('playwright', reason='playwright is not installed (the extra [test])')
 
 import rclpy
-from browser import PATIENCE, SCREENS, Server, overflow, person, served, violations
+from browser import SCREENS, Server, overflow, person, served, violations
 from patience import eventually
 from playwright.sync_api import Locator, Page, expect
 from rcl_interfaces.msg import Parameter as ParameterMessage
@@ -23,7 +23,6 @@ from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import ListParameters, SetParameters
 from ros_peer import PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Call, Peer, Process, running
 
-expect.set_options(timeout=PATIENCE)
 SENTENCES = THREE_SENTENCES.split('\n')
 _namespaces = (f'/page_{os.getpid()}_{number}' for number in itertools.count())
 
@@ -98,6 +97,18 @@ def press(page: Page) -> None:
     expect(page.locator('#asking')).not_to_have_class('htmx-request')
 
 
+def choose(page: Page, strategy: str) -> None:
+    """Choose a strategy, and wait until it is set."""
+    with page.expect_response('**/adjust'):
+        page.get_by_role('radio', name=strategy).check()
+
+
+def forget(page: Page) -> None:
+    """Press the button that makes the robot forget, and wait until it has."""
+    with page.expect_response('**/forget'):
+        page.get_by_role('button', name='Forget what was said').click()
+
+
 def answer(page: Page) -> Locator:
     return page.locator('#said').get_by_role('listitem')
 
@@ -144,10 +155,9 @@ def test_slider_and_choice_set_the_parameters_and_change_the_answer(operator, sh
     press(operator)
     expect(answer(operator)).to_have_text(SENTENCES)
     operator.get_by_role('slider', name='Sentences, at most (N)').focus()
-    operator.keyboard.press('ArrowLeft')
-    operator.keyboard.press('ArrowLeft')
+    operator.keyboard.press('Home')
     expect(answer(operator)).to_have_text(['I will exit from the bottom door.'])
-    operator.get_by_role('radio', name='increasing').check()
+    choose(operator, 'increasing')
     expect(answer(operator)).to_have_text(['I will navigate to the central corridor.'])
     tried = operator.get_by_role('table').filter(has_text='Strategy').get_by_role('rowheader')
     expect(tried).to_have_text(['increasing shown', 'informative', 'informative'])
@@ -197,19 +207,18 @@ def test_what_is_no_explanation_is_told_and_does_not_end_the_page(operator, shar
 
 def test_with_remember_asking_again_tells_more_and_forgetting_starts_over(operator, shared):
     shared.peer.set_parameters(remember=True, n=2)
-    forget = operator.get_by_role('button', name='Forget what was said')
-    forget.click()
+    forget(operator)
     press(operator)
     expect(answer(operator)).to_have_count(2)
     first = answer(operator).all_text_contents()
     press(operator)
     expect(answer(operator).first).not_to_have_text(first[0])
     second = answer(operator).all_text_contents()
-    operator.get_by_role('radio', name='decreasing').check()
+    choose(operator, 'decreasing')
     expect(operator.locator('#controls')).to_contain_text('for the next answer')
-    operator.get_by_role('radio', name='informative').check()
+    choose(operator, 'informative')
     assert violations(operator) == []
-    forget.click()
+    forget(operator)
     press(operator)
     expect(answer(operator)).to_have_text(first)
     assert not set(first) & set(second)
@@ -236,12 +245,10 @@ def test_the_page_fits_every_screen_also_at_200_percent_and_on_a_phone(operator)
 
 
 def test_without_scripts_the_button_works_too(chromium, shared):
-    context = chromium.new_context(java_script_enabled=False)
-    page = context.new_page()
-    page.goto(shared.page.url)
-    button(page).click()
-    expect(answer(page).first).to_be_visible()
-    context.close()
+    with person(chromium, scripts=False) as page:
+        page.goto(shared.page.url)
+        button(page).click()
+        expect(answer(page).first).to_be_visible()
 
 
 def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator, shared, tmp_path):
@@ -265,9 +272,7 @@ def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator,
     shared.peer.answer()
 
 
-def test_an_explainer_that_hangs_or_dies_is_missed_and_its_answer_is_not_passed_off_as_new(
-    operator, shared
-):
+def test_an_explainer_that_hangs_is_missed_until_it_goes_on(operator, shared):
     press(operator)
     expect(operator.locator('#currency')).to_have_text('')
     shared.explainer.popen.send_signal(signal.SIGSTOP)
@@ -276,7 +281,19 @@ def test_an_explainer_that_hangs_or_dies_is_missed_and_its_answer_is_not_passed_
     expect(operator.locator('#condition')).to_contain_text('Silent. No news')
     expect(operator.locator('#currency')).to_contain_text('may be old')
     assert violations(operator) == []
+    shared.explainer.popen.send_signal(signal.SIGCONT)
+    expect(operator.locator('#condition')).to_contain_text('Ready')
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said')).not_to_contain_text('gave no reply')
+
+
+def test_the_answer_of_an_explainer_that_died_is_not_passed_off_as_new(operator, shared):
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
     shared.explainer.stop(signal.SIGKILL)
+    expect(operator.locator('#condition')).to_contain_text('Silent. No news')
+    expect(operator.locator('#currency')).to_contain_text('may be old')
     with shared.user_model.open('a') as file:
         file.write('# changed while nobody looked\n')
     shared.explainer = shared.start_explainer()
