@@ -23,7 +23,12 @@ from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
 from mirror_explainer.user_model import read_user_model
 
-WAITING = State(Phase.WAITING, 'waiting for plan (topic)', cure='Start the robot.')
+WAITING = State(
+    Phase.WAITING,
+    'waiting for plan (topic)',
+    cure='Start the robot.',
+    inputs=Inputs(problem=Text('(define (problem p))', '/problem')),
+)
 WORKING = State(Phase.WORKING, 'planning 3 of 30')
 WRONG = State(Phase.ERROR, '/plan, line 1: no action "fly"', cure='Publish another plan.')
 PUBLISHED = {'problem': 1, 'plan': 1}
@@ -97,10 +102,24 @@ def test_an_error_that_is_over_is_remembered_as_over(ready: State) -> None:
 
 
 def test_waiting_is_a_warning_that_says_what_to_do() -> None:
-    diagnosis = seen(WAITING)
+    diagnosis = seen(WAITING, surroundings=Surroundings(publishers={'problem': 1, 'plan': 0}))
 
     assert (diagnosis.level, diagnosis.message) == (Level.WARN, WAITING.message)
     assert diagnosis.values['what to do'] == WAITING.cure
+
+
+def test_what_is_published_and_does_not_arrive_has_another_cure() -> None:
+    both = Surroundings(publishers={'problem': 1, 'plan': 2})
+    just_started = seen(WAITING, surroundings=both)
+    long_ago = Moment(steady=time.monotonic() - 1000.0)
+    diagnosis = seen(replace(WAITING, since=long_ago), surroundings=both)
+
+    assert just_started.message == WAITING.message
+    assert diagnosis.level is Level.WARN
+    assert diagnosis.message == (
+        'waiting for plan (topic); somebody publishes plan, but nothing was heard'
+    )
+    assert 'latched (transient local)' in diagnosis.values['what to do']
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,25 @@ def test_a_robot_that_dies_is_seen_and_its_return_too(tmp_path):
     assert answer.success
 
 
+def test_a_plan_that_was_published_too_early_and_not_latched_is_told_so(tmp_path):
+    peer = Peer(new_namespace())
+    peer.publish('domain', DOMAIN, heard=False)
+    peer.publish('problem', PROBLEM, heard=False)
+    peer.publish('plan', PLAN, latched=False, heard=False)
+    with explainer(peer, tmp_path):
+        told = eventually(
+            lambda: 'but nothing' in (found := last_diagnostic(peer))['message'] and found,
+            'that the plan is published',
+        )
+        peer.publish('plan', PLAN, latched=False)
+        eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'the plan')
+    peer.close()
+
+    assert told['message'].endswith('; somebody publishes plan, but nothing was heard')
+    assert told['level'] == DiagnosticStatus.WARN
+    assert told['what to do'].startswith('Let it be published again, or latched')
+
+
 def test_the_publishers_of_remapped_inputs_are_seen(tmp_path):
     peer = Peer(new_namespace())
     remapped = ['--ros-args', '-r', 'problem:=my/problem', '-r', 'plan:=my/plan', '--']

@@ -13,6 +13,8 @@ from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.state import Inputs, Phase, State
 from mirror_explainer.node.surroundings import Surroundings
 
+# What is latched arrives within this time of the node's start.
+_ARRIVAL_SECONDS = 3.0
 # Characters that a value has at most: they are read in a table.
 _LONGEST = 500
 
@@ -77,7 +79,7 @@ def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]
     if state.phase is Phase.ERROR:
         return Level.ERROR, state.message, state.cure
     if state.preparation is None:
-        return Level.WARN, state.message, state.cure
+        return Level.WARN, *_what_is_waited_for(state, surroundings)
     if surroundings.rivals:
         message, cure = rivalry(surroundings.rivals)
         return Level.WARN, f'{state.message}, but {message}', cure
@@ -99,6 +101,22 @@ def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]
             'beliefs.',
         )
     return Level.OK, state.message, ''
+
+
+def _what_is_waited_for(state: State, surroundings: Surroundings) -> tuple[str, str]:
+    """Return the message of a state without an explanation, and the cure."""
+    unheard = [
+        name
+        for name, heard in (('problem', state.inputs.problem), ('plan', state.inputs.plan))
+        if heard is None and surroundings.publishers.get(name)
+    ]
+    if not unheard or Moment().seconds_since(state.since) < _ARRIVAL_SECONDS:
+        return state.message, state.cure
+    return (
+        f'{state.message}; somebody publishes {" and ".join(unheard)}, but nothing was heard',
+        'Let it be published again, or latched (transient local). If that does not help, the '
+        'middleware loses it: start this node again.',
+    )
 
 
 def rivalry(rivals: int) -> tuple[str, str]:
