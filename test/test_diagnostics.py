@@ -110,7 +110,7 @@ def test_waiting_is_a_warning_that_says_what_to_do() -> None:
 
 def test_what_is_published_and_does_not_arrive_has_another_cure() -> None:
     both = Surroundings(publishers={'problem': 1, 'plan': 2})
-    just_started = seen(WAITING, surroundings=both)
+    just_started = seen(replace(WAITING, since=Moment()), surroundings=both)
     long_ago = Moment(steady=time.monotonic() - 1000.0)
     diagnosis = seen(replace(WAITING, since=long_ago), surroundings=both)
 
