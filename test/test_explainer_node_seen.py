@@ -153,7 +153,9 @@ def test_a_plan_that_was_published_too_early_and_not_latched_is_told_so(tmp_path
     peer.publish('plan', PLAN, latched=False, heard=False)
     with explainer(peer, tmp_path):
         told = eventually(
-            lambda: 'but nothing' in (found := last_diagnostic(peer))['message'] and found,
+            lambda: (
+                'somebody publishes plan,' in (found := last_diagnostic(peer))['message'] and found
+            ),
             'that the plan is published',
         )
         peer.publish('plan', PLAN, latched=False)
