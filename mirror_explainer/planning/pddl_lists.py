@@ -66,9 +66,10 @@ def read_lists(
     constants += _closed(sections.pop(':objects', []))
     init = sections.get(':init', [])
     metric = sections.get(':metric')
-    if not metric:
-        domain = _without_costs(domain)  # the translator wants a value for each all the same
-    values = _cost_values(domain, init) if metric else []
+    if metric:
+        values = _cost_values(domain, init)
+    else:  # the translator wants a value for each cost all the same
+        domain, values = _without_costs(domain), []
     scale = _scale([*_increases(domain), *(value[2] for value in values)])
     return Lists(
         domain=_scaled(_with_constants(domain, constants), scale),
