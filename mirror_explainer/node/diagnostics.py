@@ -13,7 +13,7 @@ from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.state import Inputs, Phase, State
 from mirror_explainer.node.surroundings import Surroundings
 
-# What is latched arrives within this time of the node's start.
+# What is latched has arrived by the time that the node has waited for so long.
 _ARRIVAL_SECONDS = 3.0
 # Characters that a value has at most: they are read in a table.
 _LONGEST = 500
@@ -50,7 +50,7 @@ def diagnose(
     """
     now = Moment()
     working = state.phase is Phase.WORKING
-    level, message, cure = _verdict(history.outcome if working else state, surroundings)
+    level, message, cure = _verdict(history.outcome if working else state, surroundings, now)
     if working and level is Level.ERROR:
         message = f'{state.message}; the last update failed: {message}'
     elif working:
@@ -74,12 +74,12 @@ def diagnose(
     return Diagnosis(level, _short(message), {key: _short(text) for key, text in values.items()})
 
 
-def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]:
+def _verdict(state: State, surroundings: Surroundings, now: Moment) -> tuple[Level, str, str]:
     """Return level, message and cure of how an update ended."""
     if state.phase is Phase.ERROR:
         return Level.ERROR, state.message, state.cure
     if state.preparation is None:
-        return Level.WARN, *_what_is_waited_for(state, surroundings)
+        return Level.WARN, *_what_is_waited_for(state, surroundings, now)
     if surroundings.rivals:
         message, cure = rivalry(surroundings.rivals)
         return Level.WARN, f'{state.message}, but {message}', cure
@@ -103,14 +103,14 @@ def _verdict(state: State, surroundings: Surroundings) -> tuple[Level, str, str]
     return Level.OK, state.message, ''
 
 
-def _what_is_waited_for(state: State, surroundings: Surroundings) -> tuple[str, str]:
+def _what_is_waited_for(state: State, surroundings: Surroundings, now: Moment) -> tuple[str, str]:
     """Return the message of a state without an explanation, and the cure."""
     unheard = [
         name
         for name, heard in (('problem', state.inputs.problem), ('plan', state.inputs.plan))
         if heard is None and surroundings.publishers.get(name)
     ]
-    if not unheard or Moment().seconds_since(state.since) < _ARRIVAL_SECONDS:
+    if not unheard or now.seconds_since(state.since) < _ARRIVAL_SECONDS:
         return state.message, state.cure
     return (
         f'{state.message}; somebody publishes {" and ".join(unheard)}, but nothing was heard',
