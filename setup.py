@@ -66,13 +66,13 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'compare = mirror_explainer.experiments.compare:main',
-            'explainer_node = mirror_explainer.explainer_node:main',
-            'operator_page = mirror_explainer.operator_page:main',
-            'pucrs_benchmark = mirror_explainer.experiments.pucrs:main',
-            'user_study = mirror_explainer.experiments.user_study:main',
-            'verbalize = mirror_explainer.verbalize:main',
-            'warehouse_robot = mirror_explainer.warehouse_robot:main',
+            'compare = mirror_explainer.commands.compare:main',
+            'explainer_node = mirror_explainer.node.explainer_node:main',
+            'operator_page = mirror_explainer.web.operator.operator_page:main',
+            'pucrs_benchmark = mirror_explainer.experiments.benchmark.pucrs:main',
+            'user_study = mirror_explainer.experiments.study.user_study:main',
+            'verbalize = mirror_explainer.commands.verbalize:main',
+            'warehouse_robot = mirror_explainer.demo.warehouse_robot:main',
         ],
     },
 )

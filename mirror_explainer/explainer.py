@@ -9,15 +9,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from mirror_explainer import defaults
+from mirror_explainer import settings
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.prior import belief_prior
+from mirror_explainer.listener.sentences import Sentences, action_parameters
+from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task
-from mirror_explainer.plan_text import check_plan, read_plan, without_dummy
+from mirror_explainer.pddl.plan_text import check_plan, read_plan, without_dummy
 from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status, Stop
-from mirror_explainer.prior import belief_prior
-from mirror_explainer.selection import (
+from mirror_explainer.selection.algorithm import (
     Selection,
     decreasing,
     increasing,
@@ -25,8 +27,6 @@ from mirror_explainer.selection import (
     most_informative,
     smallest_sufficient,
 )
-from mirror_explainer.sentences import Sentences, action_parameters
-from mirror_explainer.user_model import UserModel
 
 
 @dataclass(frozen=True)
@@ -172,8 +172,8 @@ def prepare(
     user_model: UserModel,
     planner: Planner,
     *,
-    max_beliefs: int = defaults.MAX_BELIEFS,
-    plans_per_belief: int = defaults.PLANS_PER_BELIEF,
+    max_beliefs: int = settings.MAX_BELIEFS,
+    plans_per_belief: int = settings.PLANS_PER_BELIEF,
     deadline: float | None = None,
     cancelled: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -213,11 +213,11 @@ def explain(
     preparation: Preparation,
     *,
     strategy: str = 'informative',
-    n: int | None = defaults.SENTENCES,
+    n: int | None = settings.SENTENCES,
     threshold: float = 0.0,
     said: Sequence[str] = (),
     said_source: str = 'sentences said earlier',
-    selection_budget: float | None = defaults.SELECTION_BUDGET,
+    selection_budget: float | None = settings.SELECTION_BUDGET,
 ) -> Explanation:
     """Choose what to say: `n` sentences, or all with None.
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from browser import chromium  # noqa: F401  (a fixture for all tests)
 
+from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.user_model import UserModel, read_user_model
 
 WAREHOUSE = Path(__file__).parent.parent / 'config' / 'warehouse'
 

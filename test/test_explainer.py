@@ -10,10 +10,10 @@ import pytest
 
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Explanation, Preparation, explain, prepare, robot_plan
+from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
-from mirror_explainer.selection import curve, decreasing, increasing, informative_order
-from mirror_explainer.user_model import CandidateGoal, UserModel, read_user_model
+from mirror_explainer.selection.algorithm import curve, decreasing, increasing, informative_order
 
 EXIT = 'I will exit from the bottom door.'
 CUBE = 'I will grab a blue cube.'

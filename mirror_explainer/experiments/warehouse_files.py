@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.experiments.scenarios import Floor, floor
+from mirror_explainer.experiments.study.scenarios import Floor, floor
+from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.user_model import UserModel, read_user_model
 
 _FOLDERS = (Path('config/warehouse'), Path('share/mirror_explainer/config/warehouse'))
 

@@ -10,13 +10,13 @@ from functools import partial
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.state import Inputs, Phase, State, Text
 from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
-from mirror_explainer.plan_text import read_plan
+from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.planning import Planner
 from mirror_explainer.text_files import TextFiles
-from mirror_explainer.user_model import read_user_model
 
 _log = logging.getLogger(__name__)
 

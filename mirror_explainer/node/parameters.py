@@ -4,10 +4,10 @@ from collections.abc import Collection, Iterable, Iterator
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
-from mirror_explainer import defaults
+from mirror_explainer import settings
 from mirror_explainer.errors import did_you_mean
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.strategies import STRATEGIES
+from mirror_explainer.selection.strategies import STRATEGIES
 
 
 def _text(description: str, read_only: bool = False) -> ParameterDescriptor:
@@ -33,7 +33,7 @@ def _number(
 PARAMETERS = (
     ('domain_file', '', _text('PDDL domain; a message on "domain" replaces it', True)),
     ('user_model_file', '', _text('YAML: what the listener may believe')),
-    ('n', defaults.SENTENCES, _count('sentences of an answer, if the plan has them', 1, 1000)),
+    ('n', settings.SENTENCES, _count('sentences of an answer, if the plan has them', 1, 1000)),
     (
         'threshold',
         0.0,
@@ -41,33 +41,33 @@ PARAMETERS = (
     ),
     ('strategy', 'informative', _text(f'one of {", ".join(STRATEGIES)}')),
     ('remember', False, _text('whether each answer conditions the next')),
-    ('planner', defaults.PLANNER, _text("a unified-planning engine's name", True)),
+    ('planner', settings.PLANNER, _text("a unified-planning engine's name", True)),
     (
         'plans_per_belief',
-        defaults.PLANS_PER_BELIEF,
+        settings.PLANS_PER_BELIEF,
         _count('optimal plans of a belief, at most', 1, 10_000),
     ),
     (
         'max_beliefs',
-        defaults.MAX_BELIEFS,
+        settings.MAX_BELIEFS,
         _count('most probable beliefs to plan for', 1, 1_000_000),
     ),
     (
         'planning_timeout',
-        defaults.PLANNING_TIMEOUT,
+        settings.PLANNING_TIMEOUT,
         _number('s, for each belief', 1e-3, 1e6, True),
     ),
-    ('deadline', defaults.DEADLINE, _number('s, for the planning of a whole update', 1e-3, 1e6)),
+    ('deadline', settings.DEADLINE, _number('s, for the planning of a whole update', 1e-3, 1e6)),
     (
         'selection_budget',
-        defaults.SELECTION_BUDGET,
+        settings.SELECTION_BUDGET,
         _number('s, to prove the best choice', 1e-3, 1.0),
     ),
     ('answer_timeout', 5.0, _number('s, that a call waits for an update', 0, 1e6)),
-    ('workers', defaults.WORKERS, _count('planning processes at a time', 1, 256, True)),
+    ('workers', settings.WORKERS, _count('planning processes at a time', 1, 256, True)),
     (
         'planner_memory_limit',
-        defaults.MEMORY_LIMIT,
+        settings.MEMORY_LIMIT,
         _count('MiB, for each search', 80, 1 << 24, True),
     ),
     (

@@ -13,7 +13,7 @@ import unified_planning.model as up
 from unified_planning.exceptions import UPException
 
 from mirror_explainer.errors import InputError, did_you_mean
-from mirror_explainer.pddl.size import require_shallow
+from mirror_explainer.pddl.text.size import require_shallow
 
 # "(a (b c))" as nested lists of words. Without quoted strings, which PDDL does not have, it is
 # ten times faster.

@@ -15,32 +15,32 @@ from unified_planning.io import PDDLReader
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text, conjuncts
-from mirror_explainer.pddl.derived import Axioms, read_axioms, without_axioms
-from mirror_explainer.pddl.durative import is_durative, require_fixed_durations
-from mirror_explainer.pddl.either_types import (
+from mirror_explainer.pddl.derived.axioms import Axioms, read_axioms, without_axioms
+from mirror_explainer.pddl.durative.durative import is_durative, require_fixed_durations
+from mirror_explainer.pddl.durative.sequential import sequential_texts
+from mirror_explainer.pddl.expressions import NESTED, Expressions, as_text, nested_words
+from mirror_explainer.pddl.initial_state import PlainFact, add_facts, without_plain_facts
+from mirror_explainer.pddl.text.either_types import (
     types_in_predicates,
     with_common_supertypes,
     with_plain_predicates,
 )
-from mirror_explainer.pddl.expressions import NESTED, Expressions, as_text, nested_words
-from mirror_explainer.pddl.readable import require_readable
-from mirror_explainer.pddl.reader_errors import (
+from mirror_explainer.pddl.text.readable import require_readable
+from mirror_explainer.pddl.text.reader_errors import (
     READER_ERRORS,
     declared_names,
     input_error,
     require_known_requirements,
 )
-from mirror_explainer.pddl.sections import (
+from mirror_explainer.pddl.text.sections import (
     line_at,
     section,
     without_comments,
     without_costs,
     without_total_time,
 )
-from mirror_explainer.pddl.sequential import sequential_texts
-from mirror_explainer.pddl.size import require_few, require_shallow, require_steady_numbers
-from mirror_explainer.pddl.state import PlainFact, add_facts, without_plain_facts
-from mirror_explainer.pddl.texts import Texts
+from mirror_explainer.pddl.text.size import require_few, require_shallow, require_steady_numbers
+from mirror_explainer.pddl.text.texts import Texts
 from mirror_explainer.text_files import plain_text
 
 

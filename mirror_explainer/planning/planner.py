@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
 
-from mirror_explainer import defaults
+from mirror_explainer import settings
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import (
     Belief,
@@ -19,9 +19,9 @@ from mirror_explainer.planning.beliefs import (
     PlanningReport,
     Status,
 )
-from mirror_explainer.planning.downward import find_downward
-from mirror_explainer.planning.downward_way import DownwardWay
-from mirror_explainer.planning.engine_pool import EnginePool
+from mirror_explainer.planning.downward.program import find_downward
+from mirror_explainer.planning.downward.way import DownwardWay
+from mirror_explainer.planning.engines.pool import EnginePool
 from mirror_explainer.planning.limits import Limits, Stop
 from mirror_explainer.planning.messages import Attempt, Done
 
@@ -51,11 +51,11 @@ class Planner:
 
     def __init__(
         self,
-        engine: str = defaults.PLANNER,
+        engine: str = settings.PLANNER,
         *,
-        workers: int = defaults.WORKERS,
-        planning_timeout: float = defaults.PLANNING_TIMEOUT,
-        memory_limit: int = defaults.MEMORY_LIMIT,
+        workers: int = settings.WORKERS,
+        planning_timeout: float = settings.PLANNING_TIMEOUT,
+        memory_limit: int = settings.MEMORY_LIMIT,
         downward_binary: str = '',
         shortcuts: bool = True,
     ) -> None:

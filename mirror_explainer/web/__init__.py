@@ -4,6 +4,6 @@ A page is a Django app: a package with urls.py, templates/ (each extends base.ht
 static/ (each file is served as `{% static 'name' %}`). A command names it and serves it:
 
     add_address_arguments(parser, port=8080)
-    configure(Site('operator', 'mirror_explainer.operator_page'), at := address(options))
+    configure(Site('operator', 'mirror_explainer.web.operator'), at := address(options))
     serve(at)
 """

@@ -1,0 +1,170 @@
+"""The three strategies side by side on your own domain: `python3 -m … .compare --help`.
+
+The paper's Table 1 as text, and a figure of understanding and information gain
+against N: what it takes to choose `n` or `threshold` for a robot.
+"""
+
+import argparse
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from mirror_explainer.commands.offline import (
+    add_file_arguments,
+    add_planning_arguments,
+    prepare_files,
+    strategy_curves,
+)
+from mirror_explainer.commands.options import number
+from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.extras import MissingExtras, require_extras
+from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.selection.algorithm import informative_order
+from mirror_explainer.selection.columns import TIE
+from mirror_explainer.selection.strategies import STRATEGIES
+
+# How sure of the goal the listener should be; 0.85 is the paper's headline.
+LEVELS = (0.5, 0.85, 0.95)
+_RECOMMENDED = 0.85
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; return 0, or 2 for bad input, told on stderr."""
+    options = _parser().parse_args(arguments)
+    try:
+        require_extras('experiments')
+        model = prepare_files(options).model
+        for warning in model.warnings:
+            print(f'compare: warning: {warning}', file=sys.stderr)
+        if not model.sentences:
+            raise InputError(
+                options.problem, "the robot's goal is reached: nothing is left to say"
+            )
+        curves = strategy_curves(model, budget=options.selection_budget)
+        print('\n\n'.join([spoken_orders(model), gains(curves), levels(curves), hint(curves)]))
+        if options.output:
+            # Not before the extras are known to be there.
+            from mirror_explainer.commands.compare_figure import comparison_figure
+            from mirror_explainer.experiments.figures import save
+
+            path = options.output.with_suffix('') if _is_image(options.output) else options.output
+            png, svg = save(comparison_figure(model, curves, LEVELS), path)
+            print(f'\nFigure: {png}, {svg}')
+    except (InputError, PlanningError, MissingExtras, OSError) as error:
+        print(f'compare: {told(error)}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def spoken_orders(model: MirrorModel) -> str:
+    """Return the paper's Table 1: all sentences in the order in which each strategy adds them."""
+    n = range(1, len(model.sentences) + 1)
+    informative = [model.sentences[s.position] for s in informative_order(model.evidence())]
+    rows = zip(n, model.sentences, model.sentences[::-1], informative, strict=True)
+    headers = ['', 'Increasing order', 'Decreasing order', 'Informative order']
+    return _table(list(rows), headers, maxcolwidths=[None, 44, 44, 44])
+
+
+def gains(curves: Sequence[Mapping[str, Any]]) -> str:
+    """Return what each strategy achieves at every N."""
+    rows = [
+        [row['n']]
+        + [
+            f'{row[s]["understanding"]:4.0%} {row[s]["information_gain"]:6.2f}'
+            for s in reversed(STRATEGIES)
+        ]
+        for row in curves
+    ]
+    headers = ['N', *reversed(STRATEGIES)]
+    return (
+        'Goal understood, and nats told, with N sentences (for N given, informative says the '
+        'best set,\nnot the first N of the order above):\n\n'
+        + _table(rows, headers, stralign='right')
+    )
+
+
+def levels(curves: Sequence[Mapping[str, Any]]) -> str:
+    """Return at which N each strategy first brings the listener to each level."""
+    rows = [
+        [f'{level:.0%}', *(reached(curves, s, level) or 'never' for s in reversed(STRATEGIES))]
+        for level in LEVELS
+    ]
+    headers = ['goal understood', *(f'N {strategy}' for strategy in reversed(STRATEGIES))]
+    return _table(rows, headers, stralign='right', numalign='right')
+
+
+def reached(curves: Sequence[Mapping[str, Any]], strategy: str, level: float) -> int | None:
+    """Return the smallest N with which the goal is understood to this level."""
+    return next(
+        (row['n'] for row in curves if row[strategy]['understanding'] >= level - TIE), None
+    )
+
+
+def hint(curves: Sequence[Mapping[str, Any]]) -> str:
+    """Return which `n` and `threshold` to give the robot."""
+    n = reached(curves, 'informative', _RECOMMENDED)
+    if n is None:
+        best = max(row['informative']['understanding'] for row in curves)
+        return (
+            f'Hint: even the whole plan leaves the listener only {best:.0%} sure of the goal: '
+            'some of the candidate goals have plans with the same sentences. Word them apart.'
+        )
+    achieved = curves[n - 1]['informative']['understanding']
+    increasing, decreasing = (
+        reached(curves, strategy, _RECOMMENDED) or 'more than there are'
+        for strategy in ('increasing', 'decreasing')
+    )
+    threshold = -math.log(_RECOMMENDED)
+    return (
+        f'Hint: n: {n} makes the listener {achieved:.0%} sure of the goal; increasing takes '
+        f'{increasing} sentences for {_RECOMMENDED:.0%}, decreasing {decreasing}.\n'
+        f'threshold: {threshold:.2f} (nats; -ln {_RECOMMENDED}) says as few as make the listener '
+        f'{_RECOMMENDED:.0%} sure of goal, plan and\nuncertain facts together, if the whole plan '
+        f'can: {sufficient(curves, threshold)} of this one. Set n to the most it may say.'
+    )
+
+
+def sufficient(curves: Sequence[Mapping[str, Any]], threshold: float) -> int:
+    """Return how many sentences `explain` says with this threshold, and no other limit."""
+    lowest = curves[-1]['informative']['cross_entropy']
+    entropies = [row['informative']['cross_entropy'] for row in curves]
+    return 1 + next(
+        i for i, entropy in enumerate(entropies) if entropy < threshold or entropy <= lowest + TIE
+    )
+
+
+def _table(rows: Sequence[Sequence[Any]], headers: Sequence[str], **layout: Any) -> str:
+    # Not before the extras are known to be there.
+    from tabulate import tabulate  # type: ignore[import-untyped]
+
+    return str(tabulate(rows, headers=headers, **layout))
+
+
+def _is_image(path: Path) -> bool:
+    return path.suffix.lower() in ('.png', '.svg')
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='compare',
+        description='Set the three strategies side by side on your own domain.',
+        epilog='Exit status: 0, or 2 for bad input.',
+    )
+    add_file_arguments(parser)
+    add_planning_arguments(parser)
+    output = parser.add_argument_group('output')
+    output.add_argument(
+        '--selection-budget', type=number(0), default=10.0, metavar='S', help='default 10 s'
+    )
+    output.add_argument(
+        '--output', type=Path, metavar='FILE', help='draw the figure: FILE.png and FILE.svg'
+    )
+    return parser
+
+
+if __name__ == '__main__':
+    sys.exit(main())

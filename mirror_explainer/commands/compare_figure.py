@@ -1,0 +1,40 @@
+"""Understanding and information gain against the number of sentences, on one plan."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, PercentFormatter
+
+from mirror_explainer.experiments.figures import STRATEGY_STYLES, draw_curve
+from mirror_explainer.listener.mirror_model import MirrorModel
+
+
+def comparison_figure(
+    model: MirrorModel, curves: Sequence[Mapping[str, Any]], levels: Sequence[float]
+) -> Figure:
+    """Draw both measures from N = 0, where nothing is said yet."""
+    figure = Figure(figsize=(9.0, 3.8), layout='constrained')
+    understanding, gain = figure.subplots(1, 2)
+    x = [0, *(row['n'] for row in curves)]
+    before = model.understanding()
+    for strategy in reversed(list(STRATEGY_STYLES)):
+        sure = [before, *(row[strategy]['understanding'] for row in curves)]
+        told = [0.0, *(row[strategy]['information_gain'] for row in curves)]
+        draw_curve(understanding, strategy, x, sure)
+        draw_curve(gain, strategy, x, told)
+    understanding.set_title("how sure the listener is of the robot's goal")
+    understanding.set_ylim(-0.03, 1.03)
+    understanding.set_yticks([0.0, 0.25, *levels, 1.0])
+    understanding.yaxis.set_major_formatter(PercentFormatter(xmax=1, decimals=0, symbol=' %'))
+    entropy = model.cross_entropy()
+    gain.set_title('information gain (nats)')
+    gain.axhline(entropy, color='0.3', linewidth=0.8)
+    gain.annotate('all there is to know', (0, entropy), (0, 3), textcoords='offset points')
+    gain.margins(y=0.1)
+    for axes in (understanding, gain):
+        axes.set_xlabel('N: how many sentences are said')
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    handles, labels = understanding.get_legend_handles_labels()
+    figure.legend(handles[::-1], labels[::-1], loc='outside upper center', ncols=3, frameon=False)
+    return figure

@@ -1,0 +1,1 @@
+"""A small robot for trying the package out."""

@@ -1,0 +1,1 @@
+"""The paper's user study, with simulated observers and with people."""

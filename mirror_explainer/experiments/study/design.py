@@ -1,0 +1,85 @@
+"""The design of the user study: who hears what, in which order, and what is kept of it.
+
+The same for simulated participants and for people.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from random import Random
+
+from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.selection.algorithm import curve, informative_order
+from mirror_explainer.selection.strategies import STRATEGIES
+
+DONT_KNOW = "I don't know"
+PEOPLE = 'people'  # the observer of an answer that was given by a person
+GROWTHS = ('order', 'sets')
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one participant said at one step: a row of the study's table.
+
+    `step` counts from 1 to `steps`, the length of the plan. `said` are the plan
+    positions said so far; `goal` is the robot's, and `answer` is the name of a
+    goal, or DONT_KNOW.
+    """
+
+    participant: str
+    observer: str
+    scenario: str
+    strategy: str
+    step: int
+    steps: int
+    said: str
+    goal: str
+    answer: str
+
+
+def assignment(participants: int, number: int, seed: int) -> tuple[tuple[str, ...], ...]:
+    """Return the strategy of every scenario, for every participant.
+
+    Random and balanced, by Latin squares of three: each participant hears each
+    strategy equally often, and each three participants in turn hear all three
+    strategies on every scenario. Where three does not divide the numbers, as
+    nearly so as can be.
+    """
+    random = Random(f'assignment {seed}')
+    rows: list[tuple[str, ...]] = []
+    while len(rows) < participants:
+        first = [index % len(STRATEGIES) for index in range(number)]
+        random.shuffle(first)
+        turns = random.sample(range(len(STRATEGIES)), len(STRATEGIES))
+        rows += [
+            tuple(STRATEGIES[(index + turn) % len(STRATEGIES)] for index in first)
+            for turn in turns
+        ]
+    return tuple(rows[:participants])
+
+
+def presentation_order(number: int, participant: int, seed: int) -> tuple[int, ...]:
+    """Return the order in which one participant, counted from 0, meets the scenarios."""
+    return tuple(Random(f'order {seed} {participant}').sample(range(number), number))
+
+
+def verbalizations(
+    model: MirrorModel, strategy: str, growth: str = 'order'
+) -> tuple[tuple[int, ...], ...]:
+    """Return the plan positions said by step 1, 2, … |π_R|, in plan order.
+
+    The informative verbalization grows by the informative order ("order"): one
+    more sentence a step, the best next, as in the paper's Table 1, since
+    what has been heard cannot be unsaid. With "sets", step N has the best set of
+    size N, which may drop a sentence of the step before.
+    """
+    length = len(model.sentences)
+    order: Sequence[int]
+    if strategy == 'increasing':
+        order = range(length)
+    elif strategy == 'decreasing':
+        order = range(length)[::-1]
+    elif growth == 'sets':
+        return tuple(selection.positions for selection in curve(model.evidence())[1:])
+    else:
+        order = [step.position for step in informative_order(model.evidence())]
+    return tuple(tuple(sorted(order[:n])) for n in range(1, length + 1))

@@ -1,0 +1,150 @@
+"""The measures and tests of the user study, on a table of answers, of people or simulated.
+
+The participant is the unit throughout: scenarios and steps of one participant are
+averaged before anything is compared or resampled.
+"""
+
+from collections.abc import Iterable
+from dataclasses import asdict, fields
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from scipy import stats  # type: ignore[import-untyped]
+
+from mirror_explainer.experiments.averages import PERCENTS, mean_interval, said_at
+from mirror_explainer.experiments.study.design import DONT_KNOW, Answer
+from mirror_explainer.selection.strategies import STRATEGIES
+
+# Two readings of the paper's hit ratio: is "I don't know" a prediction that missed, or none?
+MEASURES = {'hit_ratio': 'of predictions', 'hit_ratio_of_answers': 'of all answers'}
+RESAMPLES = 9999
+
+
+def answer_table(answers: Iterable[Answer]) -> pd.DataFrame:
+    """Return one row an answer, with whether it names a goal and whether that is the robot's."""
+    columns = [field.name for field in fields(Answer)]
+    table = pd.DataFrame([asdict(answer) for answer in answers], columns=columns)
+    table['predicted'] = table['answer'] != DONT_KNOW
+    table['correct'] = table['answer'] == table['goal']
+    return table
+
+
+def ratios(answers: pd.DataFrame) -> pd.DataFrame:
+    """Return both measures of each participant at each % of the plan, for each strategy.
+
+    At x % of the plan the answer counts that was given at step `said_at`. The hit
+    ratio of predictions is missing where none was made.
+    """
+    parts = []
+    for percent in PERCENTS:
+        step = said_at(percent, answers['steps'])
+        parts.append(answers[answers['step'] == step].assign(percent=percent))
+    keys = ['observer', 'strategy', 'percent', 'participant']
+    counts = (
+        pd.concat(parts)
+        .groupby(keys, sort=False)
+        .agg(
+            correct=('correct', 'sum'), predicted=('predicted', 'sum'), answers=('correct', 'size')
+        )
+        .reset_index()
+    )
+    counts['hit_ratio'] = counts['correct'] / counts['predicted'].where(counts['predicted'] > 0)
+    counts['hit_ratio_of_answers'] = counts['correct'] / counts['answers']
+    return counts
+
+
+def curves(answers: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
+    """Return the mean over participants of both measures, with 95 % confidence bands.
+
+    The bands are bootstrapped over participants (percentiles): they hold their
+    answers together, as these are not independent.
+    """
+    rows = []
+    for keys, group in ratios(answers).groupby(['observer', 'strategy', 'percent'], sort=False):
+        row = dict(zip(('observer', 'strategy', 'percent'), keys, strict=True))
+        for measure in MEASURES:
+            values = group[measure].dropna().to_numpy(float)
+            mean = values.mean() if len(values) else np.nan
+            low = high = np.nan
+            if len(values) > 1:
+                mean, low, high = mean_interval(values, RESAMPLES, seed)
+            row |= {measure: mean, f'{measure}_low': low, f'{measure}_high': high}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def reached_at(
+    curve: pd.DataFrame, observer: str, strategy: str, measure: str, level: float
+) -> float:
+    """Return the % of the plan from which on the measure is at the level or above; NaN: never."""
+    of = curve[(curve['observer'] == observer) & (curve['strategy'] == strategy)]
+    below = of.loc[~(of[measure] >= level), 'percent'].max()
+    return float(of.loc[~(of['percent'] <= below), 'percent'].min())
+
+
+def earliest_steps(answers: pd.DataFrame) -> pd.DataFrame:
+    """Return, for each scenario of each participant, when the answer became right.
+
+    `first_right` is the first step with the right answer, `settled` the first from
+    which on all answers are right. Where there is none, it is one step more than
+    the plan has.
+    """
+    keys = ['observer', 'participant', 'scenario', 'strategy', 'steps']
+    wrong = answers['step'].where(~answers['correct'], 0)
+    right = answers['step'].where(answers['correct'], answers['steps'] + 1)
+    grouped = answers.assign(first_right=right, settled=wrong).groupby(keys, sort=False)
+    table = grouped.agg({'first_right': 'min', 'settled': 'max'}).reset_index()
+    table['settled'] += 1
+    return table
+
+
+def mean_tests(earliest: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
+    """Test μ_inf < μ_inc and μ_inf < μ_dec, μ the mean earliest step, as the paper does.
+
+    A permutation test of paired means, one-sided. Each participant hears all three
+    strategies, so that differences between people cancel in the pair of means, which
+    is one observation however many scenarios lie behind it. Strategies are dealt to
+    scenarios at random, so that without an effect the two means of a pair could as
+    well be exchanged: the test needs no more than that, no normal steps (they are
+    small integers, cut off at the plan's end) and no large sample. Since three
+    participants in turn hear every strategy on every scenario, hard scenarios cancel
+    in their means, which the test doesn't count on: it errs on the side of caution.
+    It is exact up to 13 participants, and draws 9999 exchanges beyond.
+    """
+    rows = []
+    for measure in ('settled', 'first_right'):
+        for observer, group in earliest.groupby('observer', sort=False):
+            means = group.pivot_table(index='participant', columns='strategy', values=measure)
+            means = means.reindex(columns=list(STRATEGIES))
+            for baseline in ('increasing', 'decreasing'):
+                pairs = means[['informative', baseline]].dropna()
+                rows.append(
+                    {
+                        'observer': observer,
+                        'measure': measure,
+                        'baseline': baseline,
+                        'participants': len(pairs),
+                        'mean_informative': pairs['informative'].mean(),
+                        'mean_baseline': pairs[baseline].mean(),
+                        'p': paired_p(pairs['informative'], pairs[baseline], seed),
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+def paired_p(smaller: ArrayLike, larger: ArrayLike, seed: int = 0) -> float:
+    """P of a mean difference as low as this, or lower, if pairs are exchangeable; NaN for < 2."""
+    first, second = np.asarray(smaller, float), np.asarray(larger, float)
+    if len(first) < 2:
+        return float('nan')
+    result = stats.permutation_test(
+        (first, second),
+        lambda x, y, axis: np.mean(x - y, axis=axis),
+        permutation_type='samples',
+        alternative='less',
+        vectorized=True,
+        n_resamples=RESAMPLES,
+        random_state=np.random.default_rng(seed),
+    )
+    return float(result.pvalue)

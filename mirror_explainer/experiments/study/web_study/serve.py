@@ -1,0 +1,42 @@
+"""Serving the study, on a database that is designed before the first participant comes."""
+
+import sys
+from pathlib import Path
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.experiments.study.plans import plan_scenario, plan_scenarios
+from mirror_explainer.experiments.study.scenarios import scenarios
+from mirror_explainer.experiments.study.web_study.database import open_database
+from mirror_explainer.experiments.study.web_study.design import Design, design, practice_scenario
+from mirror_explainer.experiments.warehouse_files import read_floor
+from mirror_explainer.planning import Planner
+from mirror_explainer.web.address import Address
+from mirror_explainer.web.serving import serve
+
+SCENARIOS, SEED = 12, 0
+
+
+def serve_study(file: Path, number: int | None, seed: int | None, address: Address) -> None:
+    """Serve the study of a database, which is made where there is none.
+
+    `number` of scenarios and `seed` are those of a new one; None: as usual. Raises
+    InputError where the database's study has others, PlanningError, and OSError.
+    """
+    found = open_database(file, lambda: _made(number or SCENARIOS, seed or SEED), address)
+    if number not in (None, found.drawn) or seed not in (None, found.seed):
+        raise InputError(
+            str(file),
+            f'its study has {found.drawn} scenarios of seed {found.seed}, for good',
+            cure='Name another --database for another study.',
+        )
+    serve(address)
+
+
+def _made(number: int, seed: int) -> Design:
+    """Draw the scenarios of a study, and plan for them."""
+    print('user_study: preparing the scenarios, once', file=sys.stderr)
+    floor = read_floor()
+    planned, _ = plan_scenarios(scenarios(floor, number, seed))
+    with Planner() as planner:
+        practice = plan_scenario(practice_scenario(floor), planner)
+    return design(seed, number, practice, planned)

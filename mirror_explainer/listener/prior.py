@@ -1,0 +1,238 @@
+"""P(B) = P(I) P(G): the beliefs that the user may hold, and the robot's own among them.
+
+Section 4 of the paper: a categorical distribution over goals, and a Bernoulli
+variable for each uncertain fact; here also groups of which exactly one fact holds.
+"""
+
+import heapq
+import math
+import re
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Any
+
+from mirror_explainer import settings
+from mirror_explainer.errors import did_you_mean
+from mirror_explainer.listener.user_model import CandidateGoal, UserModel
+from mirror_explainer.pddl import Task, goal_expression, literals
+from mirror_explainer.planning import Belief, BeliefSpace
+
+# What b_R gets when the user model calls it impossible (footnote 2 of the paper).
+CONTRADICTED_PROBABILITY = 1e-6
+# Of names, for a mere hint: each takes some microseconds, in every update.
+_MOST_COMPARISONS = 2000
+
+
+@dataclass(frozen=True)
+class Prior:
+    """P(B) over the enumerated beliefs, the most probable first.
+
+    `goals` are the distinct candidates with P(G), those of probability 0 last, the
+    robot's own added where the user model lacks it. `beliefs` and `probabilities` go together;
+    `robot_belief` is the index of b_R. `warnings` say where the robot lies
+    outside the user's model.
+    """
+
+    space: BeliefSpace
+    goals: tuple[CandidateGoal, ...]
+    beliefs: tuple[Belief, ...]
+    probabilities: tuple[float, ...]
+    robot_belief: int
+    warnings: tuple[str, ...]
+
+    @property
+    def covered_mass(self) -> float:
+        """The probability of all enumerated beliefs together, 1 unless they were cut off."""
+        return min(1.0, math.fsum(self.probabilities))
+
+
+@dataclass(frozen=True)
+class _Factor:
+    """One independent variable of P(B): its outcomes' probabilities, and b_R's outcome."""
+
+    probability: Mapping[Any, float]
+    robot: Any
+    contradiction: str
+
+    @property
+    def possible(self) -> set[Any]:
+        """The outcomes that some belief has."""
+        return {outcome for outcome, p in self.probability.items() if p} | {self.robot}
+
+
+def belief_prior(
+    task: Task, user_model: UserModel, max_beliefs: int = settings.MAX_BELIEFS
+) -> Prior:
+    """Enumerate the beliefs of a user model from the most probable down.
+
+    At most `max_beliefs` are taken, and b_R always is one of them.
+    """
+    goals, robot_goal, warnings = _distinct_goals(task, user_model)
+    warnings += _misspelt_objects(task, user_model)
+    factors = [
+        _Factor(
+            {index: goal.probability for index, goal in enumerate(goals)},
+            robot_goal,
+            f'the goal "{goals[robot_goal].name}" has probability 0',
+        ),
+        *_fact_factors(user_model, task.initial_facts),
+    ]
+    robot = _belief([factor.robot for factor in factors])
+    robot_probability = math.prod(factor.probability.get(factor.robot, 0.0) for factor in factors)
+    scale = 1.0
+    if robot_probability == 0.0:
+        robot_probability, scale = CONTRADICTED_PROBABILITY, 1.0 - CONTRADICTED_PROBABILITY
+        warnings += [
+            f'the user model rules out what is true of the robot: {factor.contradiction}'
+            for factor in factors
+            if not factor.probability.get(factor.robot)
+        ]
+    taken = {
+        _belief(outcomes): scale * probability
+        for outcomes, probability in islice(
+            _most_probable_first([factor.probability for factor in factors]), max_beliefs
+        )
+    }
+    if not taken.get(robot):
+        taken.pop(robot, None)
+        taken = dict([*taken.items()][: max_beliefs - 1]) | {robot: robot_probability}
+        taken = dict(sorted(taken.items(), key=lambda item: -item[1]))
+    # What no belief has must change nothing, and a hard goal or fact may take the fast way
+    # of planning from the others.
+    texts = [goals[index].goal for index in sorted(factors[0].possible)]
+    held = {fact for factor in factors[1:] for facts in factor.possible for fact in facts}
+    named = [*user_model.uncertain_facts, *(fact for group in user_model.one_of for fact in group)]
+    facts = [fact for fact in named if fact in held]
+    return Prior(
+        space=BeliefSpace(task.domain, task.problem, tuple(texts), tuple(facts)),
+        goals=goals,
+        beliefs=tuple(taken),
+        probabilities=tuple(taken.values()),
+        robot_belief=list(taken).index(robot),
+        warnings=tuple(warnings),
+    )
+
+
+def _distinct_goals(
+    task: Task, user_model: UserModel
+) -> tuple[tuple[CandidateGoal, ...], int, list[str]]:
+    """Return the distinct candidate goals, the index of G_R, and warnings.
+
+    Goals are equal when they are the same set of literals; equal candidates
+    become one, under the first one's name. Those that the robot may have come first.
+    """
+    warnings = []
+    distinct: dict[Hashable, CandidateGoal] = {}
+    for goal in user_model.goals:
+        key = literals(goal_expression(task.model, goal.goal))
+        if key in distinct:
+            first = distinct[key]
+            warnings.append(f'the candidates "{first.name}" and "{goal.name}" are the same goal')
+            distinct[key] = replace(first, probability=first.probability + goal.probability)
+        else:
+            distinct[key] = goal
+    robot_goal = literals(task.goal)
+    if robot_goal not in distinct:
+        unlisted = user_model.unlisted_goal_probability
+        distinct = {
+            key: replace(goal, probability=(1.0 - unlisted) * goal.probability)
+            for key, goal in distinct.items()
+        }
+        distinct[robot_goal] = CandidateGoal(task.goal_text, task.goal_text, unlisted)
+        warnings.append(
+            f"the robot's goal {task.goal_text} is not among the user model's candidates; "
+            f'it was added with probability {unlisted:g}'
+        )
+    keys = sorted(distinct, key=lambda key: not distinct[key].probability and key != robot_goal)
+    return tuple(distinct[key] for key in keys), keys.index(robot_goal), warnings
+
+
+def _misspelt_objects(task: Task, user_model: UserModel) -> Iterator[str]:
+    """Warn of objects that the problem does not have, but for a letter or two.
+
+    Others may come and go: the user model is for all problems of the robot. So what stands
+    beside a name in one mapping, or differs from it in a number, is not what is meant by it.
+    """
+    wordings = [by for template in user_model.templates.values() for by in template.when.values()]
+    objects = {item.name.lower() for item in task.model.all_objects}
+    unnamed_beside: dict[str, list[set[str]]] = {}
+    for names in (user_model.objects, *wordings):
+        if missing := names.keys() - objects:
+            unnamed = objects - names.keys()
+            for name in missing:
+                unnamed_beside.setdefault(name, []).append(unnamed)
+    left = _MOST_COMPARISONS
+    for name, unnamed_sets in sorted(unnamed_beside.items()):
+        unnamed = set.intersection(*unnamed_sets)
+        left -= len(unnamed)
+        if left < 0:
+            return
+        likely = [other for other in sorted(unnamed) if _lettering(other) != _lettering(name)]
+        if hint := did_you_mean(name, likely, cutoff=0.8):
+            reason = f'the user model names the object "{name}", which the problem does not have'
+            yield reason + hint
+
+
+def _lettering(name: str) -> str:
+    """Return what "box1" and "box22" have in common."""
+    return re.sub(r'\d+', '0', name)
+
+
+def _fact_factors(user_model: UserModel, initial_facts: frozenset[str]) -> Iterator[_Factor]:
+    """Yield P(I)'s variables; an outcome is the set of facts that hold."""
+    for fact, probability in user_model.uncertain_facts.items():
+        holds = fact in initial_facts
+        yield _Factor(
+            {frozenset([fact]): probability, frozenset(): 1.0 - probability},
+            frozenset([fact]) if holds else frozenset(),
+            f'{fact} {"holds" if holds else "does not hold"}',
+        )
+    for group in user_model.one_of:
+        held = frozenset(group) & initial_facts
+        yield _Factor(
+            {frozenset([fact]): probability for fact, probability in group.items()},
+            held,
+            _held(sorted(held), sorted(group)),
+        )
+
+
+def _held(held: Sequence[str], group: Sequence[str]) -> str:
+    """Say which facts of a group hold."""
+    if len(held) == 1:
+        return f'{held[0]} holds'
+    several = f'more than one of {", ".join(group)} holds: {", ".join(held)}'
+    return several if held else f'none of {", ".join(group)} holds'
+
+
+def _belief(outcomes: Sequence[Hashable]) -> Belief:
+    goal, *facts = outcomes
+    assert isinstance(goal, int)
+    return Belief(goal, frozenset().union(*facts))  # type: ignore[arg-type]
+
+
+def _most_probable_first(
+    factors: Sequence[Mapping[Hashable, float]],
+) -> Iterator[tuple[list[Hashable], float]]:
+    """Yield the joint outcomes of independent variables, the most probable first, none of zero.
+
+    Every joint outcome but the first has one parent, in which its last
+    variable that is not at its best is one outcome better: a best-first
+    search of that tree meets each outcome once, and in order.
+    """
+    sorted_factors = [
+        sorted(((p, outcome) for outcome, p in factor.items() if p > 0), key=lambda o: -o[0])
+        for factor in factors
+    ]
+
+    def entry(ranks: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
+        return -math.prod(f[r][0] for f, r in zip(sorted_factors, ranks, strict=True)), ranks
+
+    heap = [entry((0,) * len(sorted_factors))]
+    while heap:
+        negative, ranks = heapq.heappop(heap)
+        yield [f[r][1] for f, r in zip(sorted_factors, ranks, strict=True)], -negative
+        last = max((i for i, rank in enumerate(ranks) if rank), default=0)
+        for i in range(last, len(ranks)):
+            if ranks[i] + 1 < len(sorted_factors[i]):
+                heapq.heappush(heap, entry((*ranks[:i], ranks[i] + 1, *ranks[i + 1 :])))

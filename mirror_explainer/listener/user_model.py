@@ -1,0 +1,130 @@
+"""The user model's YAML in: what the listener believes about the robot, P(B) of P_R^H.
+
+All faults of a file are reported in one error, each with its line.
+"""
+
+import math
+import os
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.sentences import Template, action_parameters
+from mirror_explainer.listener.user_model_checks import (
+    atoms,
+    candidate_goals,
+    canonical,
+    fact_faults,
+    sentence_faults,
+)
+from mirror_explainer.listener.user_model_file import (
+    GoalEntry,
+    UserModelFile,
+    parse_yaml,
+    report,
+    schema_fault,
+    text_faults,
+)
+from mirror_explainer.pddl import Task
+from mirror_explainer.text_files import read_text
+
+
+@dataclass(frozen=True)
+class CandidateGoal:
+    """A goal that the user thinks the robot may have: P(G = goal) = probability."""
+
+    name: str
+    goal: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class UserModel:
+    """P(B) = P(I) P(G) of the second-order theory of mind, and how actions are said.
+
+    `uncertain_facts` are independent Bernoulli variables, atom → P(atom holds).
+    Of each group in `one_of` exactly one fact holds, atom → probability.
+    `rationality` is β of R(π, b), in 1/cost unit.
+    """
+
+    goals: tuple[CandidateGoal, ...]
+    uncertain_facts: Mapping[str, float] = field(default_factory=dict)
+    one_of: tuple[Mapping[str, float], ...] = ()
+    rationality: float = 1.0
+    unlisted_goal_probability: float = 0.05
+    templates: Mapping[str, Template] = field(default_factory=dict)
+    objects: Mapping[str, str] = field(default_factory=dict)
+
+
+def read_user_model(
+    path: str | os.PathLike[str],
+    task: Task | None = None,
+    read: Callable[[str], str] = read_text,
+    limits: InputLimits | None = None,
+) -> UserModel:
+    """Read a user model's YAML file, and check it against the task's domain if one is given.
+
+    `read` reads the file, and the `hyps_file` that it may name. Raises InputError
+    with all faults: unknown keys, wrong types, atoms, actions or parameters that
+    the domain does not have; or for more than the limits allow.
+    """
+    source = os.fspath(path)
+    root, data = parse_yaml(read(source), source)
+    faults = [*text_faults(root)]
+    try:
+        file: UserModelFile | None = UserModelFile.model_validate(data)
+    except ValidationError as error:
+        file = None
+        faults += map(schema_fault, error.errors())
+    goals, goal_faults = candidate_goals(data, Path(path), task, read)
+    if limits:
+        limits.require('max_goals', len(goals), 'its goals', source)
+        facts = sum(1 for _ in atoms(data))
+        limits.require('max_uncertain_facts', facts, 'its uncertain facts', source)
+    faults += goal_faults
+    faults += fact_faults(data, task)
+    if task is not None:
+        faults += sentence_faults(data, action_parameters(task))
+    if faults or file is None:
+        raise InputError(source, *report(faults, root))
+    return _user_model(file, goals)
+
+
+def _user_model(file: UserModelFile, goals: Sequence[GoalEntry]) -> UserModel:
+    """Return the normalised values of a file without faults."""
+    weights = [1.0 if goal.probability is None else goal.probability for goal in goals]
+    return UserModel(
+        goals=tuple(
+            CandidateGoal(goal.name or goal.goal, goal.goal, probability)
+            for goal, probability in zip(goals, _normalised(weights), strict=True)
+        ),
+        uncertain_facts={canonical(f.fact): f.probability for f in file.uncertain_facts},
+        one_of=tuple(
+            dict(zip(map(canonical, group.facts), _normalised(group.facts.values()), strict=True))
+            for group in file.one_of
+        ),
+        rationality=file.rationality,
+        unlisted_goal_probability=file.unlisted_goal_probability,
+        templates={
+            action.lower(): Template(
+                wording.template,
+                {
+                    parameter: {item.lower(): said for item, said in by_object.items()}
+                    for parameter, by_object in wording.when.items()
+                },
+            )
+            for action, wording in file.sentences.items()
+        },
+        objects={name.lower(): called for name, called in file.objects.items()},
+    )
+
+
+def _normalised(weights: Collection[float]) -> list[float]:
+    """Return the weights as probabilities; their sum may be beyond what a float can hold."""
+    largest = max(weights)
+    total = math.fsum(weight / largest for weight in weights)
+    return [weight / largest / total for weight in weights]

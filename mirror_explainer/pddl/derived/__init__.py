@@ -1,0 +1,1 @@
+"""Derived predicates: what follows from the facts of a state."""

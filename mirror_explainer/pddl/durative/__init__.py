@@ -1,0 +1,1 @@
+"""Actions that take time, as actions that happen at once."""

@@ -1,0 +1,1 @@
+"""The fast way to plan: Fast Downward, with all beliefs of a task grounded at once."""

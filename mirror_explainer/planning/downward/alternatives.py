@@ -1,0 +1,195 @@
+"""The other optimal plans of each belief: which of them a search returns is an accident.
+
+For a belief whose optimal cost is known, searches find the operators of all its
+optimal plans (`flagged_task.py`), and from these the plans are put together
+(`optimal_plans.py`). Fewer facts leave no operator that more facts did not have.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
+from mirror_explainer.planning.downward.flagged_task import (
+    DOWN,
+    UP,
+    flagged,
+    useful,
+    with_positive_costs,
+)
+from mirror_explainer.planning.downward.ground_task import GroundTask
+from mirror_explainer.planning.downward.optimal_plans import OptimalPlans, optimal_plans
+from mirror_explainer.planning.downward.program import OPTIMAL
+from mirror_explainer.planning.downward.subject import Finding
+from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
+
+
+@dataclass(eq=False)
+class Alternative:
+    """A solved node of the walk, and what is known of its optimal plans.
+
+    `plan` is one of them, `cost` what it costs with no free actions, `found` all
+    that searches met, by their sorted actions. `seen` are the names of their
+    operators as far as known, all of them when `complete`. `parents` have more
+    facts, and the same optimal cost.
+    """
+
+    node: Node
+    plan: tuple[str, ...]
+    cost: int | None = None
+    found: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
+    seen: set[str] = field(default_factory=set)
+    complete: bool = False
+    result: OptimalPlans | None = None
+    parents: list['Alternative'] = field(default_factory=list)
+    open_parents: int = 0
+    children: list['Alternative'] = field(default_factory=list)
+    hopeless: bool = False
+
+    @property
+    def members(self) -> list[Belief]:
+        """The beliefs that are this task."""
+        return self.node.members
+
+
+def alternatives(
+    walks: Iterable[SupersetWalk], most: int
+) -> tuple[list['Alternatives'], dict[Node, BeliefPlans]]:
+    """Return what is still to be found after some walks, and results that stay as they are.
+
+    Those are of nodes where the goal holds already, and of all nodes of a walk whose
+    costs are too large for these searches.
+    """
+    found, settled = [], {}
+    for walk in walks:
+        task = with_positive_costs(walk.task)
+        if task is not None:
+            found.append(Alternatives(walk, task, most))
+        for node, plan in walk.optimal():
+            if task is None or not plan:
+                settled[node] = walk.result(node, Finding(plan), '')
+    return found, settled
+
+
+class Alternatives:
+    """Finds up to `most` optimal plans, up to order, for each node that the walk has solved.
+
+    `task` is the walk's without free actions.
+    """
+
+    required = False
+    provisional = False
+    # Most of these searches succeed, and LM-cut alone is the quicker one then.
+    first_try = 1.0
+
+    def __init__(self, walk: SupersetWalk, task: GroundTask, most: int) -> None:
+        self._walk = walk
+        self._task = task
+        self._most = most
+        self._useful_for: dict[int, GroundTask] = {}
+        self._cost_of = {operator.name: operator.cost for operator in task.operators}
+        self._free_actions = task is not walk.task
+        found = {node: Alternative(node, plan) for node, plan in walk.optimal() if plan}
+        for node, alternative in found.items():
+            alternative.parents = [
+                found[p] for p in node.parents if p in found and p.cost == node.cost
+            ]
+            alternative.open_parents = len(alternative.parents)
+            for parent in alternative.parents:
+                parent.children.append(alternative)
+            if not self._free_actions:
+                self._take_in(alternative, alternative.plan)
+        self.ready = deque(a for a in found.values() if not a.open_parents)
+
+    def known(self, subject: Alternative) -> Finding | None:
+        """Return a plan if no search is needed, since more facts had the same optimal cost."""
+        if self._free_actions:
+            return None
+        parents = [parent for parent in subject.parents if parent.complete]
+        if not parents:
+            return None
+        subject.seen = set.intersection(*(parent.seen for parent in parents))
+        return Finding(None)
+
+    def stand_in(self, subject: Alternative) -> tuple[str, ...] | None:
+        """Return the known plan: a search that takes too long leaves it at what was found."""
+        return subject.plan
+
+    def search_input(self, subject: Alternative) -> tuple[bytes, tuple[str, ...]]:
+        """Return the input of a search for an optimal plan with an operator not seen yet."""
+        state, goal = subject.node.state, self._walk.goal(subject.node)
+        variables = len(state)
+        task = flagged(self._useful(subject.node), variables, subject.seen)
+        return task.text((*state, DOWN), (*goal, (variables, UP))), OPTIMAL
+
+    def checked(self, subject: Alternative, actions: Sequence[str]) -> tuple[str, ...] | None:
+        """Return the actions if they reach the goal, None otherwise."""
+        return self._walk.checked(subject.node, actions)
+
+    def settle(self, subject: Alternative, finding: Finding | None) -> None:
+        """Go on to the next search, or put the plans together."""
+        if (
+            finding
+            and finding.optimal
+            and finding.plan
+            and self._is_optimal(subject, finding.plan)
+        ):
+            self._take_in(subject, finding.plan)
+            self.ready.append(subject)
+            return
+        subject.complete = finding is not None and finding.optimal
+        if subject.cost is not None:
+            subject.result = (
+                self._inherited(subject)
+                or optimal_plans(
+                    self._walk.as_declared(
+                        o for o in self._task.operators if o.name in subject.seen
+                    ),
+                    subject.node.state,
+                    self._walk.goal(subject.node),
+                    subject.plan,
+                    self._most,
+                )
+                or OptimalPlans(tuple(subject.found.values())[: self._most], all=False)
+            )
+        elif finding is None:
+            subject.result = OptimalPlans((subject.plan,), all=False)
+        for child in subject.children:
+            child.open_parents -= 1
+            if not child.open_parents:
+                self.ready.append(child)
+
+    def result(self, subject: Alternative, finding: Finding, reason: str) -> BeliefPlans | None:
+        """Return all plans once they are put together, None before."""
+        if subject.result is None:
+            return None
+        plans = subject.result.plans
+        cost = self._walk.cost(subject.plan)
+        return BeliefPlans(Status.SOLVED, tuple(Plan(actions, cost) for actions in plans), reason)
+
+    def _inherited(self, subject: Alternative) -> OptimalPlans | None:
+        """Return all plans of a node with more facts if every one works here, None otherwise."""
+        for parent in subject.parents:
+            if parent.complete and parent.result and parent.result.all:
+                plans = parent.result.plans
+                if all(self._walk.checked(subject.node, plan) for plan in plans):
+                    return parent.result
+        return None
+
+    def _useful(self, node: Node) -> GroundTask:
+        """Return the task with the operators that can be in an optimal plan for a goal."""
+        if node.goal not in self._useful_for:
+            self._useful_for[node.goal] = useful(self._task, self._walk.goal(node))
+        return self._useful_for[node.goal]
+
+    def _is_optimal(self, subject: Alternative, plan: Sequence[str]) -> bool:
+        return subject.cost is None or self._cost(plan) == subject.cost
+
+    def _take_in(self, subject: Alternative, plan: tuple[str, ...]) -> None:
+        subject.plan = plan
+        subject.found[tuple(sorted(plan))] = plan
+        subject.cost = self._cost(plan)
+        subject.seen.update(plan)
+
+    def _cost(self, plan: Sequence[str]) -> int:
+        return sum(self._cost_of[name] for name in plan)

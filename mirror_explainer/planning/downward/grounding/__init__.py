@@ -1,0 +1,1 @@
+"""Grounding by Fast Downward's translator: the only place that imports it (it is GPLv3)."""

@@ -1,0 +1,99 @@
+"""One grounding for every belief of a space, and what it takes for it to stay right.
+
+A robot's step changes the initial state and nothing else of a problem; mostly
+the grounding then serves again.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
+
+
+@dataclass(frozen=True)
+class Grounding:
+    """A task grounded for all beliefs of a space, and of some spaces that differ in their state.
+
+    `goals` has the facts of each goal; None for a goal no belief can reach.
+    `hard_goals` are the goals that one conjunction does not express.
+    `negative` are the atoms that some condition requires to be false.
+    `variables` are the variables' value names before those that matter to no
+    goal were left out, `kept` the ones that were kept, in the task's order.
+    `mutexes` are groups of atoms of which one at most may hold initially.
+    `objects` are all objects, as declared.
+    """
+
+    task: GroundTask
+    goals: tuple[tuple[Fact, ...] | None, ...]
+    hard_goals: frozenset[int]
+    negative: frozenset[str]
+    variables: tuple[tuple[str, ...], ...]
+    kept: tuple[int, ...]
+    mutexes: tuple[frozenset[str], ...]
+    initial: frozenset[str]
+    uncertain: tuple[str, ...]
+    objects: tuple[str, ...]
+
+    def initial_state(self, atoms: frozenset[str]) -> State | None:
+        """Return the state in which exactly these atoms hold, None if there is no such state."""
+        state = [self._value(variable, atoms) for variable in self.kept]
+        return None if None in state else tuple(v for v in state if v is not None)
+
+    def _value(self, variable: int, atoms: frozenset[str]) -> int | None:
+        names = self.variables[variable]
+        true = [value for value, name in enumerate(names) if name in atoms]
+        if len(true) == 1:
+            return true[0]
+        return None if true else self._none_value[variable]
+
+    @cached_property
+    def _none_value(self) -> list[int | None]:
+        """For each variable, its value when none of its atoms holds."""
+        values: list[int | None] = []
+        for names in self.variables:
+            none = [value for value, name in enumerate(names) if not name.startswith('Atom ')]
+            values.append(none[0] if none else None)
+        return values
+
+    @cached_property
+    def _changeable(self) -> frozenset[str]:
+        return frozenset(name for names in self.variables for name in names)
+
+    def as_declared(self, operators: Iterable[Operator]) -> list[Operator]:
+        """Return the operators by their actions, and these by how their objects are declared.
+
+        The translator sorts them by name, but what an object is called means nothing.
+        """
+        return sorted(operators, key=self._place)
+
+    def _place(self, operator: Operator) -> tuple[str, list[int]]:
+        action, *objects = operator.name[1:-1].split()
+        return action, [self._number[item] for item in objects]
+
+    @cached_property
+    def _number(self) -> dict[str, int]:
+        return {item: number for number, item in enumerate(self.objects)}
+
+    @cached_property
+    def relevant(self) -> frozenset[str]:
+        """The atoms that matter to some goal."""
+        return frozenset(name for variable in self.kept for name in self.variables[variable])
+
+    def holds_for(self, initial: frozenset[str]) -> bool:
+        """Say whether the grounding is right for another initial state of the same problem.
+
+        It is if all that differs was found changeable, so that no more is
+        reachable from there, and if the invariants it rests on hold there.
+        """
+        full = initial | frozenset(self.uncertain)
+        return (
+            (initial ^ self.initial) - frozenset(self.uncertain) <= self._changeable
+            and all(len(group & full) <= 1 for group in self.mutexes)
+            and all(self._value(v, full) is not None for v in range(len(self.variables)))
+        )
+
+
+def atom_name(words: Sequence[str]) -> str:
+    """Return an atom as the translator names it: "Atom at(ball, room)"."""
+    return f'Atom {words[0]}({", ".join(words[1:])})'

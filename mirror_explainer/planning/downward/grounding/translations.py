@@ -1,0 +1,67 @@
+"""The beliefs that are translated each by itself: no shortcut, so that it is always right."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace
+from mirror_explainer.planning.downward.grounding import translator
+from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
+from mirror_explainer.planning.downward.program import OPTIMAL, OPTIMAL_AXIOMS, OPTIMAL_CONDITIONAL
+from mirror_explainer.planning.downward.replay import reaches_goal
+from mirror_explainer.planning.downward.subject import Finding
+
+
+@dataclass(eq=False)
+class Single:
+    """One belief, and its translation once there is one."""
+
+    members: list[Belief]
+    hopeless: bool = False
+    translation: translator.Translation | None = None
+
+
+class Translations:
+    """The beliefs to translate and plan for, one after another."""
+
+    required = True
+    provisional = False
+    first_try = 0.1
+
+    def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
+        self._lists = lists
+        self._facts = space.uncertain_facts
+        self.ready = deque(Single([belief]) for belief in beliefs)
+
+    def known(self, single: Single) -> Finding | None:
+        """Return None: nothing is known without a search."""
+
+    def stand_in(self, single: Single) -> tuple[str, ...] | None:
+        """Return None: no other belief's plan is tried."""
+
+    def search_input(self, single: Single) -> tuple[bytes, tuple[str, ...]]:
+        """Return the input of the search, and the configurations that are optimal for it."""
+        translation = translator.translate(self._lists, single.members[0], self._facts)
+        single.translation = translation
+        if translation.axioms:
+            return translation.text, OPTIMAL_AXIOMS
+        return translation.text, OPTIMAL_CONDITIONAL if translation.conditional else OPTIMAL
+
+    def checked(self, single: Single, actions: Sequence[str]) -> tuple[str, ...] | None:
+        """Return the plan: the actions without the last, which stands for the goal."""
+        assert single.translation is not None, 'a search is made from it'
+        works = reaches_goal(single.translation.task, actions)
+        return tuple(actions[:-1]) if works else None
+
+    def cost(self, single: Single, plan: Sequence[str]) -> float:
+        """Return a plan's cost, in the problem's metric."""
+        assert single.translation is not None, 'a plan is found with it'
+        costs = single.translation.costs
+        return sum(costs[action] for action in plan) / self._lists.scale
+
+    def result(self, single: Single, finding: Finding, reason: str) -> BeliefPlans:
+        """Return what the finding says of the belief."""
+        return finding.result(lambda plan: self.cost(single, plan), reason)
+
+    def settle(self, single: Single, finding: Finding | None) -> None:
+        """Take note of nothing: no belief depends on another."""

@@ -1,0 +1,148 @@
+"""One search by Fast Downward's `downward` program: a process that is asked, and can be ended.
+
+Input and plan pass through memory, so that nothing is left on disk.
+"""
+
+import contextlib
+import importlib.util
+import os
+import subprocess
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mirror_explainer.errors import PlanningError
+from mirror_explainer.planning.beliefs import Status
+from mirror_explainer.planning.processes.confinement import limit_search
+
+# Optimal searches, to be tried in this order: LM-cut is mostly done at once, but it can take
+# minutes to find that there is no plan; the abstraction costs a little time, and saves these.
+OPTIMAL = (
+    'astar(lmcut(),pruning=stubborn_sets_simple())',
+    'astar(max([lmcut(),cegar(max_time=0.1)]),pruning=stubborn_sets_simple())',
+)
+# What is optimal, too, with conditional effects, and with axioms.
+OPTIMAL_CONDITIONAL = ('astar(hmax())',)
+OPTIMAL_AXIOMS = ('astar(blind())',)
+QUICK = 'let(h,ff(),lazy_greedy([h],preferred=[h],cost_type=one))'
+
+# https://www.fast-downward.org/latest/documentation/exit-codes/
+_SOLVED = (0, 1, 2, 3)
+_UNSOLVABLE = (10, 11)
+_OUT_OF_MEMORY = (20, 22, 24)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a search found: `actions` when SOLVED; `reason` when UNKNOWN, which may be a crash."""
+
+    status: Status
+    actions: tuple[str, ...] = ()
+    reason: str = ''
+    crashed: bool = False
+
+
+class Search:
+    """A running search. Its `fileno` is readable once it has ended.
+
+    Whoever starts it ends it after `seconds`; if nobody is left to do so, the
+    kernel does, a little later. Raises OSError when it does not start.
+    """
+
+    def __init__(self, binary: str, task: bytes, configuration: str, seconds: float) -> None:
+        self.since = time.monotonic()
+        with contextlib.ExitStack() as on_failure, contextlib.ExitStack() as in_the_end:
+
+            def closed(stack: contextlib.ExitStack, descriptor: int) -> int:
+                stack.callback(os.close, descriptor)
+                return descriptor
+
+            self._plan = closed(on_failure, os.memfd_create('plan'))
+            task_file = closed(in_the_end, os.memfd_create('task'))
+            ends = os.pipe()
+            self._end = closed(on_failure, ends[0])
+            their_end = closed(in_the_end, ends[1])
+            with open(task_file, 'wb', closefd=False) as stream:
+                stream.write(task)
+            os.lseek(task_file, 0, os.SEEK_SET)
+            plan_file = f'/proc/self/fd/{self._plan}'
+            self._process = subprocess.Popen(
+                [binary, '--search', configuration, '--internal-plan-file', plan_file],
+                stdin=task_file,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env={},
+                pass_fds=[self._plan, their_end],
+            )
+            on_failure.pop_all()
+        limit_search(self._process.pid, seconds)
+
+    def fileno(self) -> int:
+        """Return a descriptor that becomes readable when the process ends."""
+        return self._end
+
+    def outcome(self) -> Outcome:
+        """Return what the ended search found."""
+        code = self._process.wait()
+        with open(self._plan, 'rb', closefd=False) as stream:
+            stream.seek(0)
+            lines = stream.read().decode(errors='replace').splitlines()
+        self._close()
+        actions = tuple(_canonical(line) for line in lines if line.startswith('('))
+        # The plan ends with its cost; a text without is no whole plan.
+        if code in _SOLVED and lines and lines[-1].startswith('; cost'):
+            return Outcome(Status.SOLVED, actions)
+        if code in _UNSOLVABLE:
+            return Outcome(Status.UNSOLVABLE)
+        if code in _OUT_OF_MEMORY:
+            return Outcome(Status.UNKNOWN, reason='the search ran out of memory')
+        how = f'was ended by signal {-code}' if code < 0 else f'ended with code {code}'
+        if code in _SOLVED:
+            how = 'gave no whole plan'
+        return Outcome(Status.UNKNOWN, reason=f'downward {how}', crashed=True)
+
+    def kill(self) -> None:
+        """End the search at once."""
+        self._process.kill()
+        self._process.wait()
+        self._close()
+
+    def _close(self) -> None:
+        for descriptor in (self._plan, self._end):
+            with contextlib.suppress(OSError):
+                os.close(descriptor)
+
+
+def find_downward(named: str) -> str | None:
+    """Return the `downward` program named, or the one up-fast-downward brings, None if none.
+
+    Raises PlanningError when the one named is no program, or lacks its translator.
+    """
+    if named:
+        if importlib.util.find_spec('fast_downward') is None:
+            raise PlanningError(
+                "Fast Downward's translator is not installed, and the program named as "
+                'downward_binary is of no use without it',
+                cure="pip install 'fast-downward-translate>=26.6,<27'",
+            )
+        if not os.access(named, os.X_OK) or Path(named).is_dir():
+            raise PlanningError(
+                f'there is no program at "{named}", which is named as downward_binary',
+                cure="Give the path of Fast Downward's search program, or leave it empty.",
+            )
+        return str(Path(named).resolve())
+    if importlib.util.find_spec('fast_downward') is None:
+        return None
+    package = importlib.util.find_spec('up_fast_downward')
+    folders: Sequence[str] = (package and package.submodule_search_locations) or ()
+    for folder in folders:
+        program = Path(folder) / 'downward' / 'builds' / 'release' / 'bin' / 'downward'
+        if os.access(program, os.X_OK):
+            return str(program)
+    return None
+
+
+def _canonical(line: str) -> str:
+    """Return "(act )" as "(act)"."""
+    return f'({" ".join(line.strip("() ").split())})'

@@ -1,0 +1,186 @@
+"""From the fullest initial states down: what is known of one belief spares searching another.
+
+A fact that no condition wants false can only help. So the cost under more such
+facts is a lower bound under fewer, a plan that reaches the bound is optimal, and
+where more facts leave no plan, fewer leave none.
+"""
+
+from collections import defaultdict, deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans
+from mirror_explainer.planning.downward.ground_task import Fact, State
+from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
+from mirror_explainer.planning.downward.pieced_plans import PiecedPlans
+from mirror_explainer.planning.downward.program import OPTIMAL
+from mirror_explainer.planning.downward.subject import Finding
+
+
+@dataclass(eq=False)
+class Node:
+    """All asked beliefs that are one and the same task, and what is known of it.
+
+    `facts` are the uncertain facts that hold and matter. `plan` is an optimal
+    plan and `cost` what it costs, None while none is known. `hopeless` says that a search ran
+    out of time here, or where more facts hold.
+    """
+
+    goal: int
+    facts: frozenset[str]
+    state: State
+    members: list[Belief] = field(default_factory=list)
+    parents: list['Node'] = field(default_factory=list)
+    children: list['Node'] = field(default_factory=list)
+    open_parents: int = 0
+    unsolvable: bool = False
+    plan: tuple[str, ...] | None = None
+    cost: int | None = None
+    hopeless: bool = False
+
+
+class SupersetWalk:
+    """The distinct tasks of some beliefs, the plans known for them, and what follows.
+
+    `initial` has the problem's initial atoms, costs are divided by `scale`;
+    `provisional` says that other optimal plans will be looked for afterwards.
+    `ready` has the nodes whose parents, which have more facts, are settled.
+    """
+
+    required = True
+    first_try = 0.1
+
+    def __init__(
+        self,
+        grounding: Grounding,
+        initial: frozenset[str],
+        beliefs: Sequence[Belief],
+        scale: int,
+        provisional: bool,
+    ) -> None:
+        self.provisional = provisional
+        self._scale = scale
+        self.task = grounding.task
+        self.as_declared = grounding.as_declared
+        self._goals = grounding.goals
+        self._helpful = frozenset(grounding.uncertain) - grounding.negative
+        self._plans: dict[int, dict[tuple[str, ...], int]] = defaultdict(dict)
+        self._pieced = PiecedPlans(grounding.task)
+        self._reached: dict[State, set[Fact]] = {}
+        self._nodes = _nodes(grounding, initial - frozenset(grounding.uncertain), beliefs)
+        for group in self._comparable(self._nodes):
+            for node in group.values():
+                node.parents = list(self._parents(node, group))
+                node.open_parents = len(node.parents)
+                for parent in node.parents:
+                    parent.children.append(node)
+        self.ready = deque(node for node in self._nodes if not node.parents)
+
+    def optimal(self) -> Iterator[tuple[Node, tuple[str, ...]]]:
+        """Yield the nodes with an optimal plan, those with more facts first."""
+        for node in self._nodes:
+            if node.plan is not None:
+                yield node, node.plan
+
+    def goal(self, node: Node) -> tuple[Fact, ...]:
+        """Return the facts of a node's goal."""
+        return self._goals[node.goal] or ()
+
+    def _comparable(self, nodes: Sequence[Node]) -> Iterator[dict[frozenset[str], Node]]:
+        """Yield the nodes that differ in helpful facts only, by their facts."""
+        groups: dict[object, dict[frozenset[str], Node]] = defaultdict(dict)
+        for node in nodes:
+            groups[node.goal, node.facts - self._helpful][node.facts] = node
+        yield from groups.values()
+
+    def _parents(self, node: Node, group: dict[frozenset[str], Node]) -> Iterator[Node]:
+        """Yield the nodes just above; all above if some of those just above were not asked."""
+        helpful = frozenset().union(*group) & self._helpful
+        above = [node.facts | {fact} for fact in helpful - node.facts]
+        if all(facts in group for facts in above):
+            yield from (group[facts] for facts in above)
+        else:
+            yield from (other for facts, other in group.items() if node.facts < facts)
+
+    def known(self, node: Node) -> Finding | None:
+        """Return what can be said of a ready node without a search, None if nothing."""
+        goal = self._goals[node.goal]
+        if goal is None or any(parent.unsolvable for parent in node.parents):
+            return Finding(None)
+        if all(node.state[variable] == value for variable, value in goal):
+            return Finding(())
+        if not self._reachable(node.state).issuperset(goal):
+            return Finding(None)
+        bounds = [parent.cost for parent in node.parents if parent.cost is not None]
+        plan = self._known_plan(node, max(bounds)) if bounds else None
+        plan = plan or self._pieced.plan(node.state, goal)
+        if plan is not None:
+            return Finding(plan)
+        node.hopeless = any(parent.hopeless for parent in node.parents)
+        return None
+
+    def stand_in(self, node: Node) -> tuple[str, ...] | None:
+        """Return the cheapest known plan that works for a node, None if none is known."""
+        return self._known_plan(node, float('inf'))
+
+    def search_input(self, node: Node) -> tuple[bytes, tuple[str, ...]]:
+        """Return the input of the search, and the configurations that are optimal for it."""
+        return self.task.text(node.state, self.goal(node)), OPTIMAL
+
+    def checked(self, node: Node, actions: Sequence[str]) -> tuple[str, ...] | None:
+        """Return the actions if they reach the goal, None otherwise."""
+        return tuple(actions) if self._works(node, actions) else None
+
+    def cost(self, plan: Sequence[str]) -> float:
+        """Return a plan's cost, in the problem's metric."""
+        return self.task.cost(plan) / self._scale
+
+    def result(self, node: Node, finding: Finding, reason: str) -> BeliefPlans:
+        """Return what the finding says of the node's beliefs."""
+        return finding.result(self.cost, reason)
+
+    def settle(self, node: Node, finding: Finding | None) -> None:
+        """Take in all that will be known of a node; nodes below it may become ready."""
+        if finding is not None and finding.plan is None:
+            node.unsolvable = True
+        elif finding is not None and finding.plan is not None:
+            cost = self.task.cost(finding.plan)
+            self._plans[node.goal][finding.plan] = cost
+            if finding.optimal:
+                node.plan, node.cost = finding.plan, cost
+                self._pieced.learn(node.state, self.goal(node), finding.plan)
+        for child in node.children:
+            child.open_parents -= 1
+            if not child.open_parents:
+                self.ready.append(child)
+
+    def _known_plan(self, node: Node, limit: float) -> tuple[str, ...] | None:
+        for plan, cost in sorted(self._plans[node.goal].items(), key=lambda item: item[1]):
+            if cost <= limit and self._works(node, plan):
+                return plan
+        return None
+
+    def _works(self, node: Node, plan: Sequence[str]) -> bool:
+        goal = self._goals[node.goal]
+        return goal is not None and self.task.leads(plan, node.state, goal)
+
+    def _reachable(self, state: State) -> set[Fact]:
+        if state not in self._reached:
+            self._reached[state] = self.task.relaxed_reachable(state)
+        return self._reached[state]
+
+
+def _nodes(grounding: Grounding, certain: frozenset[str], beliefs: Sequence[Belief]) -> list[Node]:
+    """Return the distinct tasks, those with more facts first."""
+    nodes: dict[tuple[int, frozenset[str]], Node] = {}
+    states: dict[frozenset[str], State] = {}
+    names = {fact: atom_name(fact[1:-1].split()) for b in beliefs for fact in b.true_facts}
+    for belief in beliefs:
+        facts = frozenset(names[fact] for fact in belief.true_facts) & grounding.relevant
+        if facts not in states:
+            state = grounding.initial_state(certain | facts)
+            assert state is not None, 'a grounding covers every belief of its space'
+            states[facts] = state
+        node = nodes.setdefault((belief.goal, facts), Node(belief.goal, facts, states[facts]))
+        node.members.append(belief)
+    return sorted(nodes.values(), key=lambda node: -len(node.facts))

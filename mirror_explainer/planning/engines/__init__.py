@@ -1,0 +1,1 @@
+"""The general way to plan: any engine of unified-planning, one call a belief."""

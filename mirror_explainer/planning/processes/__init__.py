@@ -1,0 +1,1 @@
+"""Processes that plan: started, confined, talked to, and ended."""

@@ -1,0 +1,114 @@
+from pathlib import Path
+
+import pytest
+
+from mirror_explainer.commands.compare import hint, levels, main, reached, sufficient
+
+_WAREHOUSE = Path(__file__).parents[2] / 'config' / 'warehouse'
+
+
+def _arguments(*more: str) -> list[str]:
+    files = {
+        '--domain': 'domain.pddl',
+        '--problem': 'problem.pddl',
+        '--plan': 'plan.txt',
+        '--user-model': 'user_model.yaml',
+    }
+    given = [word for key, name in files.items() for word in (key, str(_WAREHOUSE / name))]
+    return [*given, *more]
+
+
+def _curves(**understanding: list[float]) -> list[dict[str, object]]:
+    return [
+        {
+            'n': n,
+            **{
+                strategy: {
+                    'understanding': values[n - 1],
+                    'information_gain': 2.0 * values[n - 1],
+                    'cross_entropy': 2.0 * (1 - values[n - 1]),
+                }
+                for strategy, values in understanding.items()
+            },
+        }
+        for n in range(1, len(understanding['informative']) + 1)
+    ]
+
+
+def test_the_warehouse_is_told_in_three_orders_with_the_n_that_each_needs(tmp_path, capsys):
+    assert main(_arguments('--output', str(tmp_path / 'figure.png'))) == 0
+
+    lines = capsys.readouterr().out.splitlines()
+    table = lines.index(next(line for line in lines if 'Increasing order' in line))
+    first, last = lines[table + 2], lines[table + 11]
+    expected = (
+        'I will navigate to the central corridor.',
+        'I will exit from the bottom door.',
+        'I will exit from the bottom door.',
+    )
+    assert ' '.join(first.split()) == ' '.join(['1', *expected])
+    assert last.startswith('10  I will exit from the bottom door.')
+    # Three sentences tell all ln 30 = 3.40 nats: two of five objects, one of three doors.
+    [three] = [line for line in lines if line.split()[:1] == ['3'] and '%' in line]
+    assert three.split()[-2:] == ['100%', '3.40']
+    [level] = [line for line in lines if line.split()[:1] == ['85%'] and 'sure' not in line]
+    assert level.split() == ['85%', '7', '10', '3']
+    assert any(line.startswith('Hint: n: 3 makes the listener 100% sure') for line in lines)
+    assert (tmp_path / 'figure.png').read_bytes().startswith(b'\x89PNG')
+    assert '<svg' in (tmp_path / 'figure.svg').read_text()
+
+
+def test_a_level_that_a_strategy_never_reaches_is_called_so():
+    curves = _curves(informative=[0.6, 0.9], increasing=[0.1, 0.9], decreasing=[0.2, 0.4])
+
+    assert reached(curves, 'informative', 0.85) == 2
+    assert reached(curves, 'decreasing', 0.85) is None
+    assert 'never' in levels(curves)
+    assert 'n: 2 makes' in hint(curves)
+
+
+def test_the_hint_for_plans_that_sound_the_same_is_to_word_them_apart():
+    curves = _curves(informative=[0.4, 0.5], increasing=[0.1, 0.5], decreasing=[0.2, 0.5])
+
+    assert 'leaves the listener only 50% sure' in hint(curves)
+
+
+def test_a_threshold_that_is_never_reached_says_what_tells_all():
+    curves = _curves(informative=[0.5, 0.9, 0.9], increasing=[0, 0, 0.9], decreasing=[0, 0, 0.9])
+
+    assert sufficient(curves, 1.5) == 1  # H = 2·(1 − 0.5) = 1 < 1.5
+    assert sufficient(curves, 0.1) == 2  # H = 0.2 is as low as it gets
+
+
+def test_bad_input_is_told_with_its_cure(tmp_path, capsys):
+    plan = tmp_path / 'plan.txt'
+    plan.write_text('(fly center left)\n')
+
+    assert main(_arguments('--plan', str(plan))) == 2
+
+    error = capsys.readouterr().err
+    assert error == (
+        f'compare: {plan}, line 1: the domain has no action "fly". Give domain, problem and plan '
+        'of one task; this plan seems to be for another.\n'
+    )
+
+
+def test_a_missing_extra_is_named_with_the_way_to_install_it(monkeypatch, capsys):
+    from mirror_explainer import extras
+
+    monkeypatch.setattr(extras, 'find_spec', lambda name: None)
+
+    assert main(_arguments()) == 2
+
+    assert 'pip install matplotlib pandas scipy tabulate tqdm' in capsys.readouterr().err
+
+
+def test_help_needs_no_extras(monkeypatch):
+    from mirror_explainer import extras
+
+    monkeypatch.setattr(extras, 'find_spec', lambda name: None)
+
+    with pytest.raises(SystemExit) as ended:
+        main(['--help'])
+
+    assert ended.value.code == 0

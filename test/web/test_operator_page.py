@@ -1,0 +1,349 @@
+"""The operator's page in a real browser, beside a real explainer and robot, over DDS."""
+
+import http.client
+import itertools
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+pytest.importorskip('django', reason='the extra [web] is not installed')
+pytest.importorskip('playwright', reason='playwright is not installed (the extra [test])')
+
+import rclpy
+from browser import SCREENS, Server, overflow, person, served, violations
+from patience import eventually
+from playwright.sync_api import Locator, Page, expect
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import ListParameters, SetParameters
+from ros_peer import PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Call, Peer, Process, running
+
+SENTENCES = THREE_SENTENCES.split('\n')
+_namespaces = (f'/page_{os.getpid()}_{number}' for number in itertools.count())
+
+
+class Stack:
+    """A robot's stack under test, in a namespace of its own: the robot is the peer."""
+
+    def __init__(self, folder: Path, own: ExitStack) -> None:
+        self._folder, self._own = folder, own
+        self.peer = Peer(next(_namespaces))
+        own.callback(self.peer.close)
+        self._namespace = self.peer.node.get_namespace()
+        ros = ['--ros-args', '-r', f'__ns:={self._namespace}']
+        command = ['-m', 'mirror_explainer.web.operator.operator_page', '--port', '0', *ros]
+        self.page: Server = own.enter_context(served(command))
+        self.user_model = folder / 'user_model.yaml'
+        self.user_model.write_text(Path(USER_MODEL).read_text())
+
+    def start_explainer(self) -> Process:
+        parameters = {'user_model_file': self.user_model, 'answer_timeout': 30.0}
+        return self._own.enter_context(
+            running('explainer_node', self._namespace, self._folder, **parameters)
+        )
+
+    def robot(self, **parameters: object):
+        return running('warehouse_robot', self._namespace, self._folder, **parameters)
+
+
+@pytest.fixture(scope='module', autouse=True)
+def ros() -> Iterator[None]:
+    rclpy.init()
+    yield
+    rclpy.try_shutdown()
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> Iterator[Stack]:
+    """A stack without an explainer."""
+    with ExitStack() as own:
+        yield Stack(tmp_path, own)
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
+    """A stack with an explainer, for tests that leave it as it was."""
+    with ExitStack() as own:
+        shared = Stack(tmp_path_factory.mktemp('stack'), own)
+        shared.explainer = shared.start_explainer()
+        shared.peer.publish_warehouse()
+        shared.peer.answer()
+        yield shared
+
+
+@pytest.fixture
+def operator(chromium, shared: Stack) -> Iterator[Page]:
+    """A browser at the page of the shared stack, whose settings are the defaults."""
+    shared.peer.set_parameters(n=3, strategy='informative', remember=False)
+    with person(chromium) as page:
+        page.goto(shared.page.url)
+        expect(page.locator('#condition')).to_have_text('Ready. The robot can be asked.')
+        yield page
+
+
+def button(page: Page) -> Locator:
+    return page.get_by_role('button', name='What are you up to?')
+
+
+def press(page: Page) -> None:
+    """Press the button, and wait until the page shows what came of it."""
+    with page.expect_response('**/ask'):
+        button(page).click()
+    expect(page.locator('#asking')).not_to_have_class('htmx-request')
+
+
+def choose(page: Page, strategy: str) -> None:
+    """Choose a strategy, and wait until it is set."""
+    with page.expect_response('**/adjust'):
+        page.get_by_role('radio', name=strategy).check()
+
+
+def forget(page: Page) -> None:
+    """Press the button that makes the robot forget, and wait until it has."""
+    with page.expect_response('**/forget'):
+        page.get_by_role('button', name='Forget what was said').click()
+
+
+def answer(page: Page) -> Locator:
+    return page.locator('#said').get_by_role('listitem')
+
+
+def test_what_rclpy_itself_cannot_take_does_not_cut_the_page_off(operator, shared):
+    page = f'{shared.peer.node.get_namespace()}/operator_page'
+    setting = shared.peer.node.create_client(SetParameters, f'{page}/set_parameters')
+    listing = shared.peer.node.create_client(ListParameters, f'{page}/list_parameters')
+    eventually(setting.service_is_ready, 'the service of the page')
+    eventually(listing.service_is_ready, 'the service of the page')
+    no_type = ParameterMessage(name='explainer', value=ParameterValue(type=77))
+    setting.call_async(SetParameters.Request(parameters=[no_type]))
+
+    eventually(
+        lambda: Call(listing.call_async(ListParameters.Request())).ends_within(1.0),
+        'a reply of the page',
+    )
+    press(operator)
+    expect(answer(operator)).to_have_text(SENTENCES)
+
+
+def test_the_button_gives_the_answer_and_all_that_it_does_by_keyboard_alone(operator):
+    button(operator).focus()
+    operator.keyboard.press('Enter')
+    expect(answer(operator)).to_have_text(SENTENCES)
+    said = operator.get_by_role('table', name='The steps of the plan').get_by_role(
+        'row', name='said'
+    )
+    goals = operator.get_by_role('table', name='How likely you find each goal')
+    true_goal = goals.get_by_role('row', name='true goal')
+    understanding = operator.get_by_role('row', name='Understanding: how likely')
+    uncertainty = operator.get_by_role('row', name='Uncertainty (cross-entropy')
+    expect(said).to_have_count(3)
+    expect(true_goal).to_contain_text('red circle and blue cube, bottom door')
+    expect(true_goal.get_by_role('cell')).to_have_text(['3 %', '100 %'])
+    expect(understanding.get_by_role('cell')).to_have_text(['3 %', '100 %'])
+    # log 30 nats before, and one goal with one plan left after (see test_explainer.py).
+    expect(uncertainty.get_by_role('cell')).to_have_text(['3.40', '0.00'])
+    expect(button(operator)).to_be_focused()
+    assert violations(operator) == []
+
+
+def test_slider_and_choice_set_the_parameters_and_change_the_answer(operator, shared):
+    press(operator)
+    expect(answer(operator)).to_have_text(SENTENCES)
+    operator.get_by_role('slider', name='Sentences, at most (N)').focus()
+    operator.keyboard.press('Home')
+    expect(answer(operator)).to_have_text(['I will exit from the bottom door.'])
+    choose(operator, 'increasing')
+    expect(answer(operator)).to_have_text(['I will navigate to the central corridor.'])
+    tried = operator.get_by_role('table').filter(has_text='Strategy').get_by_role('rowheader')
+    expect(tried).to_have_text(['increasing shown', 'informative', 'informative'])
+    assert violations(operator) == []
+    assert shared.peer.call().message == 'I will navigate to the central corridor.'
+
+
+def test_settings_changed_elsewhere_are_seen(operator, shared):
+    shared.peer.set_parameters(n=7, strategy='decreasing')
+    expect(operator.get_by_role('slider')).to_have_value('7')
+    expect(operator.get_by_role('radio', name='decreasing')).to_be_checked()
+
+
+def test_after_a_replan_the_answer_is_called_old_until_the_robot_is_asked_again(operator, shared):
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
+    shared.peer.publish('plan', PLAN.replace('(move left center)', '(move LEFT center) ; again'))
+    expect(operator.locator('#currency')).to_contain_text('an older plan')
+    assert violations(operator) == []
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
+    shared.peer.publish('plan', PLAN)
+
+
+def test_a_bad_message_is_told_in_words_and_a_good_one_heals_it(operator, shared):
+    press(operator)
+    expect(answer(operator)).to_have_text(SENTENCES)
+    shared.peer.publish('plan', '(fly left <b>center</b>)')
+    reason = f'{shared.peer.node.get_namespace()}/plan, line 1'
+    expect(operator.locator('#condition')).to_contain_text(f'Error. {reason}')
+    expect(operator.locator('#currency')).to_contain_text('an older plan')
+    press(operator)
+    expect(operator.locator('#said')).to_contain_text(f'there was no answer: {reason}')
+    assert violations(operator) == []
+    shared.peer.publish('plan', PLAN)
+    expect(operator.locator('#condition')).to_have_text('Ready. The robot can be asked.')
+    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said')).not_to_contain_text('there was no answer')
+
+
+def test_what_is_no_explanation_is_told_and_does_not_end_the_page(operator, shared):
+    shared.peer.publish('mirror_explainer/explanation', '{"strategy": "<script>"}')
+    expect(operator.locator('#said')).to_contain_text('this is no explanation')
+    press(operator)
+    expect(operator.locator('#said')).not_to_contain_text('this is no explanation')
+
+
+def test_with_remember_asking_again_tells_more_and_forgetting_starts_over(operator, shared):
+    shared.peer.set_parameters(remember=True, n=2)
+    forget(operator)
+    press(operator)
+    expect(answer(operator)).to_have_count(2)
+    first = answer(operator).all_text_contents()
+    press(operator)
+    expect(answer(operator).first).not_to_have_text(first[0])
+    second = answer(operator).all_text_contents()
+    choose(operator, 'decreasing')
+    expect(operator.locator('#controls')).to_contain_text('for the next answer')
+    choose(operator, 'informative')
+    assert violations(operator) == []
+    forget(operator)
+    press(operator)
+    expect(answer(operator)).to_have_text(first)
+    assert not set(first) & set(second)
+
+
+def test_two_browsers_show_the_same_answer_and_both_can_ask(chromium, operator, shared):
+    with person(chromium, 'tablet') as other:
+        other.goto(shared.page.url)
+        shared.peer.set_parameters(n=1)
+        press(other)
+        expect(answer(operator)).to_have_text(['I will exit from the bottom door.'])
+        shared.peer.set_parameters(n=2)
+        press(operator)
+        expect(answer(other)).to_have_text(SENTENCES[:2])
+
+
+def test_the_page_fits_every_screen_also_at_200_percent_and_on_a_phone(operator):
+    press(operator)
+    operator.locator('summary').click()
+    for width, height in (*SCREENS.values(), (320, 568)):
+        operator.set_viewport_size({'width': width, 'height': height})
+        assert overflow(operator) <= 0
+    assert violations(operator) == []
+
+
+def test_without_scripts_the_button_works_too(chromium, shared):
+    with person(chromium, scripts=False) as page:
+        page.goto(shared.page.url)
+        button(page).click()
+        expect(answer(page).first).to_be_visible()
+
+
+def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator, shared, tmp_path):
+    problem = PROBLEM.replace('(robot-at left)', '(robot-at red_room)')
+    files = {
+        'problem_file': problem.replace('(item-at blue_cube blue_room)', '(holding blue_cube)'),
+        'plan_file': PLAN[PLAN.index('(move red_room doors)') :],
+    }
+    files['problem_file'] = files['problem_file'].replace(
+        '(item-at red_circle red_room)', '(holding red_circle)'
+    )
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    operator.goto(f'{shared.page.url}?follow=on')
+    press(operator)
+    expect(answer(operator)).to_have_text(SENTENCES)
+    with shared.robot(step_period=0.5, **{name: tmp_path / name for name in files}):
+        expect(operator.locator('#said')).to_contain_text('Nothing is left to do')
+    expect(operator.locator('#currency')).to_have_text('')
+    shared.peer.publish_warehouse()
+    shared.peer.answer()
+
+
+def test_an_explainer_that_hangs_is_missed_until_it_goes_on(operator, shared):
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
+    shared.explainer.popen.send_signal(signal.SIGSTOP)
+    press(operator)
+    expect(operator.locator('#said')).to_contain_text('verbalize_plan gave no reply')
+    expect(operator.locator('#condition')).to_contain_text('Silent. No news')
+    expect(operator.locator('#currency')).to_contain_text('may be old')
+    assert violations(operator) == []
+    shared.explainer.popen.send_signal(signal.SIGCONT)
+    expect(operator.locator('#condition')).to_contain_text('Ready')
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said')).not_to_contain_text('gave no reply')
+
+
+def test_the_answer_of_an_explainer_that_died_is_not_passed_off_as_new(operator, shared):
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
+    shared.explainer.stop(signal.SIGKILL)
+    with shared.user_model.open('a') as file:
+        file.write('# changed while nobody looked\n')
+    shared.explainer = shared.start_explainer()
+    expect(operator.locator('#condition')).to_contain_text('Ready')
+    expect(operator.locator('#currency')).to_contain_text('an older plan')
+    press(operator)
+    expect(operator.locator('#currency')).to_have_text('')
+    expect(answer(operator)).to_have_text(SENTENCES)
+
+
+def test_what_is_not_there_is_told_an_explainer_and_the_page_itself(chromium, stack):
+    with person(chromium) as page:
+        page.goto(stack.page.url)
+        expect(page.locator('#condition')).to_contain_text('Silent. Nothing was heard')
+        press(page)
+        expect(page.locator('#said')).to_contain_text('Is the explainer running?')
+        expect(page.get_by_role('alert')).to_have_count(0)
+        assert violations(page) == []
+        stack.page.kill()
+        expect(page.get_by_role('alert')).to_contain_text('lost its program')
+        assert violations(page) == []
+        page.errors.clear()  # of the browser, that nobody answers
+
+
+def http_status(server: Server, method: str, path: str, host: str = 'localhost') -> int:
+    connection = http.client.HTTPConnection('127.0.0.1', int(server.port))
+    connection.request(method, path, headers={'Host': host})
+    response = connection.getresponse()
+    response.read()
+    connection.close()
+    return response.status
+
+
+@pytest.mark.parametrize('path', ['/ask', '/adjust', '/forget'])
+def test_what_changes_anything_is_refused_without_a_form_of_the_page(shared, path):
+    assert http_status(shared.page, 'POST', path) == 403
+    assert http_status(shared.page, 'GET', path) == 405
+
+
+@pytest.mark.parametrize(
+    'path', ['/../../etc/passwd', '/static/../site.py', '/%7B%7B7*7%7D%7D', '/news/../ask', '//x']
+)
+def test_no_path_leads_to_a_file_or_a_template(shared, path):
+    assert http_status(shared.page, 'GET', path) == 404
+
+
+def test_another_host_header_is_refused(shared):
+    assert http_status(shared.page, 'GET', '/', host='evil.example') == 400
+
+
+def test_settings_that_the_page_does_not_offer_are_refused(operator, shared):
+    for changes in ({'n': '0'}, {'n': '3', 'strategy': 'random'}, {}):
+        token = operator.locator('[name=csrfmiddlewaretoken]').first.input_value()
+        form = {'csrfmiddlewaretoken': token, **changes}
+        assert operator.request.post(f'{shared.page.url}adjust', form=form).status == 400
