@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from mirror_explainer import settings
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
@@ -27,6 +26,7 @@ from mirror_explainer.selection.algorithm import (
     most_informative,
     smallest_sufficient,
 )
+from mirror_explainer.settings import PlanningSettings, Question
 
 
 @dataclass(frozen=True)
@@ -172,8 +172,8 @@ def prepare(
     user_model: UserModel,
     planner: Planner,
     *,
-    max_beliefs: int = settings.MAX_BELIEFS,
-    plans_per_belief: int = settings.PLANS_PER_BELIEF,
+    max_beliefs: int = PlanningSettings.max_beliefs,
+    plans_per_belief: int = PlanningSettings.plans_per_belief,
     deadline: float | None = None,
     cancelled: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -213,11 +213,11 @@ def explain(
     preparation: Preparation,
     *,
     strategy: str = 'informative',
-    n: int | None = settings.SENTENCES,
+    n: int | None = Question.n,
     threshold: float = 0.0,
     said: Sequence[str] = (),
     said_source: str = 'sentences said earlier',
-    selection_budget: float | None = settings.SELECTION_BUDGET,
+    selection_budget: float | None = Question.selection_budget,
 ) -> Explanation:
     """Choose what to say: `n` sentences, or all with None.
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.settings import setting
 
 
 @dataclass(frozen=True)
@@ -12,13 +13,30 @@ class InputLimits:
     Readers without limits take all: files that their owner reads offline.
     """
 
-    max_message_bytes: int = 1_000_000
-    max_objects: int = 2000
-    max_words: int = 10_000
-    max_plan_length: int = 1000
-    max_instances: int = 30_000
-    max_goals: int = 1000
-    max_uncertain_facts: int = 100
+    max_message_bytes: int = setting(
+        1_000_000, 'bytes of a message, or of a file', least=1000, most=1 << 30
+    )
+    max_objects: int = setting(2000, 'objects of a problem, with constants', least=1, most=1 << 20)
+    max_words: int = setting(
+        10_000,
+        'words of a domain or problem, initial facts left out',
+        least=10,
+        most=1 << 30,
+    )
+    max_plan_length: int = setting(1000, 'actions of a plan', least=1, most=1 << 20)
+    max_instances: int = setting(
+        30_000,
+        'conditions and effects to look at to check a plan',
+        least=1,
+        most=1 << 30,
+    )
+    max_goals: int = setting(1000, 'goals of a user model', least=1, most=1 << 20)
+    max_uncertain_facts: int = setting(
+        100,
+        'uncertain facts of a user model, those of one_of included',
+        least=0,
+        most=10_000,
+    )
 
     def require(self, limit: str, found: int, what: str, source: str) -> None:
         """Raise InputError if more of something was found than the limit of that name allows."""

@@ -23,7 +23,7 @@ from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.selection.algorithm import informative_order
 from mirror_explainer.selection.columns import TIE
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 # How sure of the goal the listener should be; 0.85 is the paper's headline.
 LEVELS = (0.5, 0.85, 0.95)

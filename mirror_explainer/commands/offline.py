@@ -2,12 +2,11 @@
 
 import argparse
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from mirror_explainer import settings
-from mirror_explainer.commands.options import number, whole
+from mirror_explainer.commands.options import add_settings
 from mirror_explainer.errors import NoPlanError
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.listener.mirror_model import MirrorModel
@@ -15,6 +14,7 @@ from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Plan, Planner
 from mirror_explainer.selection.algorithm import Selection, curve, decreasing, increasing
+from mirror_explainer.settings import PlanningSettings
 from mirror_explainer.text_files import read_text
 
 
@@ -30,22 +30,7 @@ def add_file_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGro
 
 def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what planning may be told."""
-    planning = parser.add_argument_group('planning')
-
-    def add(
-        option: str, metavar: str, default: Any, kind: Callable[[str], Any], what: str
-    ) -> None:
-        shown = f'{what} (default %(default)s)' if default != '' else what
-        planning.add_argument(option, type=kind, default=default, metavar=metavar, help=shown)
-
-    add('--planner', 'ENGINE', settings.PLANNER, str, "unified-planning's name of the engine")
-    add('--plans-per-belief', 'K', settings.PLANS_PER_BELIEF, whole(1), 'optimal ones, at most')
-    add('--max-beliefs', 'M', settings.MAX_BELIEFS, whole(1), 'the most probable ones')
-    add('--planning-timeout', 'S', settings.PLANNING_TIMEOUT, number(0), 'for each belief')
-    add('--deadline', 'S', settings.DEADLINE, number(0), 'for all planning')
-    add('--workers', 'W', settings.WORKERS, whole(1), 'planning processes at a time')
-    add('--planner-memory-limit', 'MIB', settings.MEMORY_LIMIT, whole(1), 'of a search')
-    add('--downward-binary', 'FILE', '', str, "Fast Downward's search, self-built")
+    add_settings(parser.add_argument_group('planning'), PlanningSettings)
 
 
 def prepare_files(options: argparse.Namespace) -> Preparation:

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from mirror_explainer import settings
 from mirror_explainer.commands.offline import (
     add_file_arguments,
     add_planning_arguments,
@@ -18,7 +17,7 @@ from mirror_explainer.commands.options import number, whole
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.explainer import Explanation, explain
 from mirror_explainer.selection.algorithm import informative_order
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES, Question
 from mirror_explainer.text_files import read_text, write_text
 
 _log = logging.getLogger('mirror_explainer')
@@ -49,7 +48,7 @@ def _verbalize(options: argparse.Namespace) -> str:
     for warning in preparation.model.warnings:
         _log.warning('%s', warning)
     said = read_text(options.said).split('\n') if options.said else []
-    n = options.n if options.n is not None or options.threshold > 0 else settings.SENTENCES
+    n = options.n if options.n is not None or options.threshold > 0 else Question.n
     explanation = explain(
         preparation,
         strategy=options.strategy,
@@ -146,7 +145,7 @@ def _parser() -> argparse.ArgumentParser:
     choice.add_argument(
         '-n',
         type=whole(1),
-        help=f'sentences, at most (default {settings.SENTENCES}; with --threshold no limit)',
+        help=f'sentences, at most (default {Question.n}; with --threshold no limit)',
     )
     choice.add_argument(
         '--threshold', type=number(0), default=0.0, metavar='NATS',
@@ -156,7 +155,7 @@ def _parser() -> argparse.ArgumentParser:
     choice.add_argument(
         '--selection-budget',
         type=number(0),
-        default=settings.SELECTION_BUDGET,
+        default=Question.selection_budget,
         metavar='S',
         help='to prove the best choice (default %(default)s)',
     )

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
-from mirror_explainer import settings
 from mirror_explainer.errors import did_you_mean
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel
 from mirror_explainer.pddl import Task, goal_expression, literals
 from mirror_explainer.planning import Belief, BeliefSpace
+from mirror_explainer.settings import PlanningSettings
 
 # What b_R gets when the user model calls it impossible (footnote 2 of the paper).
 CONTRADICTED_PROBABILITY = 1e-6
@@ -62,7 +62,7 @@ class _Factor:
 
 
 def belief_prior(
-    task: Task, user_model: UserModel, max_beliefs: int = settings.MAX_BELIEFS
+    task: Task, user_model: UserModel, max_beliefs: int = PlanningSettings.max_beliefs
 ) -> Prior:
     """Enumerate the beliefs of a user model from the most probable down.
 

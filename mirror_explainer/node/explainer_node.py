@@ -39,14 +39,13 @@ from mirror_explainer.node.diagnostic_message import diagnostic_array
 from mirror_explainer.node.diagnostics import diagnose, rivalry
 from mirror_explainer.node.history import History, news
 from mirror_explainer.node.maker import Maker
-from mirror_explainer.node.parameters import PARAMETERS, unknown_parameters
+from mirror_explainer.node.parameters import CHOICES, PARAMETERS, unknown_parameters
 from mirror_explainer.node.ros_log import RosLog
 from mirror_explainer.node.start import argument_parser, write_fault
 from mirror_explainer.node.state import Inputs, Phase, State, Text
 from mirror_explainer.node.surroundings import look_around
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.planning import Planner
-from mirror_explainer.selection.strategies import STRATEGIES
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)
@@ -187,8 +186,9 @@ class ExplainerNode(Node):
 
     def _check_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         for parameter in parameters:
-            if parameter.name == 'strategy' and parameter.value not in STRATEGIES:
-                reason = f'strategy must be one of {", ".join(STRATEGIES)}'
+            choices = CHOICES.get(parameter.name)
+            if choices and parameter.value not in choices:
+                reason = f'{parameter.name} must be one of {", ".join(filter(None, choices))}'
                 return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
 

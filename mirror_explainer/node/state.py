@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
-from mirror_explainer import settings
 from mirror_explainer.explainer import Preparation
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.node.moment import Moment
+from mirror_explainer.settings import PlanningSettings
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class Inputs:
     plan: Text | None = None
     user_model_file: str = ''
     files_revision: object = None
-    max_beliefs: int = settings.MAX_BELIEFS
-    plans_per_belief: int = settings.PLANS_PER_BELIEF
+    max_beliefs: int = PlanningSettings.max_beliefs
+    plans_per_belief: int = PlanningSettings.plans_per_belief
     deadline: float | None = None
     limits: InputLimits = field(default_factory=InputLimits)
 

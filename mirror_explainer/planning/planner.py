@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
 
-from mirror_explainer import settings
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import (
     Belief,
@@ -24,9 +23,7 @@ from mirror_explainer.planning.downward.way import DownwardWay
 from mirror_explainer.planning.engines.pool import EnginePool
 from mirror_explainer.planning.limits import Limits, Stop
 from mirror_explainer.planning.messages import Attempt, Done
-
-# The engine that is asked the fast way wherever that is right.
-FAST = 'fast-downward-opt'
+from mirror_explainer.settings import FAST, PlanningSettings
 
 _NOTHING = Done(0, 0.0, 'all known')
 _log = logging.getLogger(__name__)
@@ -51,11 +48,11 @@ class Planner:
 
     def __init__(
         self,
-        engine: str = settings.PLANNER,
+        engine: str = PlanningSettings.planner,
         *,
-        workers: int = settings.WORKERS,
-        planning_timeout: float = settings.PLANNING_TIMEOUT,
-        memory_limit: int = settings.MEMORY_LIMIT,
+        workers: int = PlanningSettings.workers,
+        planning_timeout: float = PlanningSettings.planning_timeout,
+        memory_limit: int = PlanningSettings.planner_memory_limit,
         downward_binary: str = '',
         shortcuts: bool = True,
     ) -> None:

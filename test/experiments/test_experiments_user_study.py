@@ -41,7 +41,7 @@ from mirror_explainer.experiments.study.user_study import main  # noqa: E402
 from mirror_explainer.experiments.warehouse_files import read_floor  # noqa: E402
 from mirror_explainer.explainer import robot_plan  # noqa: E402
 from mirror_explainer.planning import Planner  # noqa: E402
-from mirror_explainer.selection.strategies import STRATEGIES  # noqa: E402
+from mirror_explainer.settings import STRATEGIES  # noqa: E402
 
 SMALL = ['--scenarios', '4', '--participants', '3', '--seed', '109']
 NOISELESS = Noise(temperature=0.0, lapse=0.0, confidence=0.5)

@@ -27,7 +27,7 @@ from mirror_explainer.experiments.study.web_study.drawing import HEIGHT, WIDTH, 
 from mirror_explainer.experiments.warehouse_files import read_floor
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 
 def plain(name):

@@ -9,7 +9,7 @@ from random import Random
 
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.selection.algorithm import curve, informative_order
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 DONT_KNOW = "I don't know"
 PEOPLE = 'people'  # the observer of an answer that was given by a person

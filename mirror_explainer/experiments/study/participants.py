@@ -17,7 +17,7 @@ from mirror_explainer.experiments.study.observers import (
 )
 from mirror_explainer.experiments.study.plans import PlannedScenario
 from mirror_explainer.listener.mirror_model import Array
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 
 @dataclass(frozen=True)

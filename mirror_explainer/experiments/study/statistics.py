@@ -14,7 +14,7 @@ from scipy import stats  # type: ignore[import-untyped]
 
 from mirror_explainer.experiments.averages import PERCENTS, mean_interval, said_at
 from mirror_explainer.experiments.study.design import DONT_KNOW, Answer
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 # Two readings of the paper's hit ratio: is "I don't know" a prediction that missed, or none?
 MEASURES = {'hit_ratio': 'of predictions', 'hit_ratio_of_answers': 'of all answers'}

@@ -12,7 +12,7 @@ from django.conf import settings
 from django.http import HttpRequest, HttpResponse, HttpResponseBadRequest, QueryDict
 from django.shortcuts import redirect, render
 
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 from mirror_explainer.web.operator import shown
 from mirror_explainer.web.operator.site import Explainer
 

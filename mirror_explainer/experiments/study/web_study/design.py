@@ -17,7 +17,7 @@ from mirror_explainer.experiments.study.design import (
 from mirror_explainer.experiments.study.participants import Noise, simulate
 from mirror_explainer.experiments.study.plans import PlannedScenario
 from mirror_explainer.experiments.study.scenarios import FetchGoal, Floor, Scenario, scenarios
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 PRACTICE = 'practice'
 PRACTICE_STRATEGY = 'increasing'

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mirror_explainer.experiments.study.design import Answer
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 WIDTH, HEIGHT = 640, 290
 _LEFT, _TOP, _RIGHT, _BOTTOM = 60, 16, 600, 250

@@ -25,7 +25,7 @@ from mirror_explainer.experiments.study.web_study.progress import (
     show,
 )
 from mirror_explainer.pddl import read_task
-from mirror_explainer.selection.strategies import STRATEGIES
+from mirror_explainer.settings import STRATEGIES
 
 _COOKIE = 'study_participant'
 _COOKIE_AGE = 180 * 24 * 3600  # s
