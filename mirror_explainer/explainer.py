@@ -154,7 +154,7 @@ def robot_plan(
     """
     steps = without_dummy(task, read_plan(text, source, limits))
     try:
-        cost = check_plan(task, steps, source, limits)
+        run = check_plan(task, steps, source, limits)
     except InputError as error:
         if steps:
             raise
@@ -163,7 +163,7 @@ def robot_plan(
             'the robot has no current plan',
             cure='Nothing is to be done if the robot has no task now: its next plan is explained.',
         ) from error
-    return Plan(tuple(step.action for step in steps), cost)
+    return Plan(tuple(step.action for step in steps), run.cost)
 
 
 def prepare(

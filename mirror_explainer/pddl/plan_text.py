@@ -111,11 +111,10 @@ def check_plan(
     steps: tuple[Step, ...],
     source: str = 'plan',
     limits: InputLimits | None = None,
-) -> float:
-    """Check that the plan can be carried out and reaches the task's goal; return its cost.
+) -> Run:
+    """Check that the plan can be carried out and reaches the task's goal; return how it goes.
 
-    The cost is in the problem's metric: the number of actions where it has
-    none. Raises InputError that names the first action that fails and the
+    Raises InputError that names the first action that fails and the
     condition it lacks, or the goal that the plan does not reach; or says that
     there is more to check than the limits allow.
     """
@@ -141,7 +140,7 @@ def check_plan(
         raise InputError(source, 'its cost is too large a number') from error
     if failure:
         raise failure
-    return run.cost
+    return run
 
 
 def without_dummy(task: Task, steps: tuple[Step, ...]) -> tuple[Step, ...]:

@@ -10,7 +10,8 @@ from unified_planning.engines.sequential_simulator import (
     evaluate_quality_metric_in_initial_state,
 )
 from unified_planning.exceptions import UPConflictingEffectsException, UPInvalidActionError
-from unified_planning.model import State
+from unified_planning.model import FNode, State
+from unified_planning.model.walkers import StateEvaluator
 from unified_planning.plans import ActionInstance
 
 from mirror_explainer.pddl.task import Task
@@ -20,11 +21,13 @@ from mirror_explainer.pddl.task import Task
 class Run:
     """The states that a plan leads through, the initial one first, and its cost up to the last.
 
-    There is one state for each action carried out; they are fewer than the plan's
-    actions where one of them is impossible.
+    `positions` are the plan positions (from 0) whose action led from each state to the next;
+    they end early where an action is impossible. The cost is in the problem's metric: the
+    number of actions where it has none.
     """
 
     states: tuple[State, ...]
+    positions: tuple[int, ...]
     cost: float
 
 
@@ -38,7 +41,6 @@ def can_simulate(task: Task) -> bool:
 def carry_out(task: Task, plan: Sequence[ActionInstance]) -> Run:
     """Carry out the plan from the task's initial state, up to the first impossible action.
 
-    Costs are in the problem's metric: the number of actions where it has none.
     Raises UPException where a number has no value.
     """
     model = task.axioms.open_model() if task.axioms else task.model
@@ -63,4 +65,19 @@ def carry_out(task: Task, plan: Sequence[ActionInstance]) -> Run:
             )
         state = following
         states.append(state)
-    return Run(tuple(states), float(cost) if metric else float(len(states) - 1))
+    positions = tuple(range(len(states) - 1))
+    return Run(tuple(states), positions, float(cost if metric else len(positions)))
+
+
+def truths(task: Task, states: Sequence[State], conditions: Sequence[FNode]) -> list[list[bool]]:
+    """Return for each condition whether it holds in each state of a run, derived facts included.
+
+    The conditions are ground and free of quantifiers.
+    """
+    if task.axioms:
+        states = task.axioms.with_derived(states, conditions)
+    evaluator = StateEvaluator(task.model)
+    return [
+        [bool(evaluator.evaluate(condition, state).is_true()) for state in states]
+        for condition in conditions
+    ]

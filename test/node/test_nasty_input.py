@@ -73,7 +73,7 @@ def test_line_ends_and_byte_order_marks_of_any_system_change_nothing(
 
     assert task.initial_facts == read_task(WAREHOUSE_DOMAIN, WAREHOUSE_PROBLEM).initial_facts
     assert steps == read_plan((warehouse / 'plan.txt').read_text())
-    assert check_plan(task, steps) == 10.0
+    assert check_plan(task, steps).cost == 10.0
     assert read_user_model(path, task) == read_user_model(warehouse / 'user_model.yaml', task)
 
 
@@ -163,7 +163,7 @@ def test_a_plan_of_a_thousand_actions_through_a_thousand_places_is_within_the_li
     task = read_task(CHAIN_DOMAIN, chain(1001), limits=LIMITS)
     steps = read_plan(chain_plan(1001), limits=LIMITS)
 
-    assert check_plan(task, steps, limits=LIMITS) == 1000.0
+    assert check_plan(task, steps, limits=LIMITS).cost == 1000.0
 
 
 def test_a_goal_of_very_many_atoms_is_refused_with_the_limit_to_raise() -> None:

@@ -142,7 +142,7 @@ def test_five_megabytes_of_noise_are_refused_in_seconds_and_in_few_words(noise: 
 def test_a_good_plan_costs_its_number_of_actions(warehouse, task: Task) -> None:
     text = (warehouse / 'plan.txt').read_text()
 
-    assert check_plan(task, read_plan(text)) == 10.0
+    assert check_plan(task, read_plan(text)).cost == 10.0
 
 
 def test_the_cost_is_the_metric_of_the_problem() -> None:
@@ -158,7 +158,7 @@ def test_the_cost_is_the_metric_of_the_problem() -> None:
       (:metric minimize (total-cost)))
     """
 
-    assert check_plan(read_task(domain, problem), read_plan('(a)\n(a)')) == 6.0  # 3 + 3
+    assert check_plan(read_task(domain, problem), read_plan('(a)\n(a)')).cost == 6.0  # 3 + 3
 
 
 def test_a_problem_that_no_plan_can_be_checked_for_is_told(warehouse) -> None:
@@ -315,7 +315,7 @@ def test_whatever_the_text_only_input_errors_of_one_line_escape(
     for start, length, piece in mutations:
         text = text[:start] + piece + text[start + length :]
     try:
-        assert check_plan(task, without_dummy(task, read_plan(text))) >= 0
+        assert check_plan(task, without_dummy(task, read_plan(text))).cost >= 0
     except InputError as error:
         assert len(str(error).splitlines()) == 1
         assert error.line is None or 1 <= error.line <= len(text.splitlines())

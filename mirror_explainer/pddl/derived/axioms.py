@@ -7,8 +7,8 @@ rules of Datalog, by which every state gets its derived facts.
 
 import itertools
 import re
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -53,12 +53,14 @@ def without_axioms(domain: str) -> str:
 class Axioms:
     """The axioms of a task, whose model has what they define as plain fluents.
 
-    `source` names the domain in errors.
+    `source` names the domain in errors. Besides what actions and goal ask for, the values
+    of the fluents `besides` are wanted.
     """
 
     axioms: tuple[Axiom, ...]
     model: up.Problem = field(repr=False)
     source: str
+    besides: frozenset[up.Fluent] = frozenset()
 
     @cached_property
     def fluents(self) -> frozenset[up.Fluent]:
@@ -80,13 +82,13 @@ class Axioms:
 
     @cached_property
     def _asked(self) -> frozenset[up.Fluent]:
-        """What the values in a state depend on that actions and the goal ask for."""
+        """What the values in a state depend on that are wanted."""
         conditions = [*self.model.goals]
         for action in self.model.actions:
             conditions += action.preconditions
             for effect in action.effects:
                 conditions += [effect.condition, effect.value]
-        return self.basis(fluents_in(*conditions))
+        return self.basis(fluents_in(*conditions) | self.besides)
 
     @cached_property
     def _program(self) -> tuple[Program, tuple[Fact, ...]]:
@@ -99,7 +101,7 @@ class Axioms:
     ) -> tuple[frozenset[up.FNode], int]:
         """Return the derived atoms that hold in a state, and how many steps are left.
 
-        They are those that actions and goal ask for. Raises InputError where it takes
+        They are those that are wanted. Raises InputError where it takes
         too many steps.
         """
         program, fixed = self._program
@@ -131,6 +133,20 @@ class Axioms:
         values = dict(self.model.explicit_initial_values)
         return _State(values, self, *self.holding(values))
 
+    def with_derived(
+        self, states: Sequence[up.State], conditions: Iterable[up.FNode]
+    ) -> Sequence[up.State]:
+        """Return a run's states with all derived facts that the conditions ask for."""
+        wanted = fluents_in(*conditions) & self.fluents
+        if wanted <= self._asked:
+            return states
+        wider = replace(self, besides=self.besides | wanted)
+        return [
+            _State(state.given, wider, *wider.holding(state.given))
+            for state in states
+            if isinstance(state, _State)
+        ]
+
     def changes(self, atoms: Iterable[up.FNode]) -> bool:
         """Say whether a change of these atoms may change what is derived."""
         return any(atom.fluent() in self._asked for atom in atoms)
@@ -155,7 +171,8 @@ class Axioms:
 class _State(up.UPState):
     """A state whose derived atoms have the values that the axioms give them.
 
-    `left` is how many steps may be spent on the states after it.
+    `given` are the values that are not derived; `left` is how many steps may be spent on
+    the states after it.
     """
 
     def __init__(
@@ -165,7 +182,7 @@ class _State(up.UPState):
         derived: frozenset[up.FNode],
         left: int,
     ) -> None:
-        self._given = values
+        self.given = values
         self._axioms = axioms
         self._derived = derived
         self._left = left
@@ -173,7 +190,7 @@ class _State(up.UPState):
         super().__init__(values | dict.fromkeys(derived, true), axioms.model)
 
     def make_child(self, updated_values: dict[up.FNode, up.FNode]) -> '_State':
-        values, derived, left = self._given | updated_values, self._derived, self._left
+        values, derived, left = self.given | updated_values, self._derived, self._left
         if self._axioms.changes(updated_values):
             derived, left = self._axioms.holding(values, left)
         return _State(values, self._axioms, derived, left)
