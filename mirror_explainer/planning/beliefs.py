@@ -5,6 +5,7 @@ Plain values without any planner in them: they cross process borders.
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Literal
 
 
 @dataclass(frozen=True)
@@ -56,13 +57,15 @@ class Status(Enum):
 class BeliefPlans:
     """What planning found for one belief: plans from the cheapest up, none unless SOLVED.
 
-    `reason` says in a few words why the status is UNKNOWN, or why a plan that is
-    not optimal stands in for one that is.
+    `reason` says in a few words why the status is UNKNOWN. `cut` says why there may be more
+    plans than were found of those asked for: 'time' ended their search, or there are too many
+    ('number'); '' where these are all.
     """
 
     status: Status
     plans: tuple[Plan, ...] = ()
     reason: str = ''
+    cut: Literal['', 'time', 'number'] = ''
 
 
 @dataclass(frozen=True)

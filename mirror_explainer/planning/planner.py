@@ -7,7 +7,7 @@ the rest is found.
 import logging
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from types import TracebackType
 
 from mirror_explainer.errors import PlanningError
@@ -75,14 +75,16 @@ class Planner:
         plans_per_belief: int = 1,
         deadline: float | None = None,
         cancelled: Stop | None = None,
-        progress: Callable[[int, int], None] | None = None,
+        found: Callable[[Belief, BeliefPlans], None] | None = None,
     ) -> PlanningReport:
         """Return what is known about each belief once it is planned for, in the order given.
 
-        `plans_per_belief` is how many plans a belief should get; an engine that
-        gives one at a time gives one. After `deadline` seconds the rest stays
-        unknown. Setting `cancelled` in another thread ends the call and its
-        planning within some 50 ms. `progress` is told (done, all) as results come.
+        The first belief is planned for first, then the others, goals in the order in which they
+        come. `plans_per_belief` is how many plans a belief should get, which are looked
+        for when each belief has one; an engine that gives one at a time gives one. After
+        `deadline` seconds the rest stays unknown. Setting `cancelled` in another thread ends the
+        call and its planning within some 50 ms. `found` is told each belief's result as
+        it comes, that of a belief known already at once, and again if further plans join it.
 
         Raises Cancelled; InputError for texts that cannot be read; PlanningError
         when the engine is not there, does not support the problem, or crashed on
@@ -96,15 +98,15 @@ class Planner:
             limits.check()
             if self._known_space != (space, plans_per_belief):
                 self._known_space, self._known = (space, plans_per_belief), {}
-            results = _Results(self._known, beliefs, progress)
+            results = _Results(self._known, beliefs, found)
             missing = [belief for belief in dict.fromkeys(beliefs) if not results.has(belief)]
             done = (
                 self._plan(space, missing, plans_per_belief, limits, results)
                 if missing
                 else _NOTHING
             )
-            found = tuple(results.get(belief) for belief in beliefs)
-            nothing_known = all(result.status is Status.UNKNOWN for result in found)
+            known = tuple(results.get(belief) for belief in beliefs)
+            nothing_known = all(result.status is Status.UNKNOWN for result in known)
             if missing and nothing_known and results.failed.issuperset(beliefs):
                 raise PlanningError(
                     f'the planning engine "{self._engine}" failed on every belief; on the last '
@@ -112,7 +114,7 @@ class Planner:
                     cure='Name another engine as the planner.',
                 )
         _log.debug('%d beliefs: %s, %d calls', len(beliefs), done.way, done.calls)
-        return PlanningReport(found, done.calls, done.way, done.searching, len(results.failed))
+        return PlanningReport(known, done.calls, done.way, done.searching, len(results.failed))
 
     def _plan(
         self,
@@ -160,16 +162,17 @@ class _Results:
     def __init__(
         self,
         known: dict[Belief, BeliefPlans],
-        asked: Sequence[Belief],
-        progress: Callable[[int, int], None] | None,
+        asked: Iterable[Belief],
+        found: Callable[[Belief, BeliefPlans], None] | None,
     ) -> None:
         self._known = known
         self._unknown: dict[Belief, BeliefPlans] = {}
-        self._total = len(set(asked))
-        self._left = set(asked) - known.keys()
-        self._progress = progress
+        self._found = found
         self.failed: set[Belief] = set()
         self.last_reason = ''
+        for belief in dict.fromkeys(asked):
+            if found and belief in known:
+                found(belief, known[belief])
 
     def record(self, belief: Belief, attempt: Attempt) -> None:
         """Take in one result. What more time may better is not kept."""
@@ -177,11 +180,10 @@ class _Results:
         self._unknown.pop(belief, None)
         kept = self._known if lasting else self._unknown
         kept[belief] = attempt.result
-        self._left.discard(belief)
         (self.failed.add if attempt.crashed else self.failed.discard)(belief)
         self.last_reason = attempt.result.reason
-        if self._progress:
-            self._progress(self._total - len(self._left), self._total)
+        if self._found:
+            self._found(belief, attempt.result)
 
     def has(self, belief: Belief) -> bool:
         """Say whether there is a result."""

@@ -67,7 +67,8 @@ def alternatives(
             found.append(Alternatives(walk, task, most))
         for node, plan in walk.optimal():
             if task is None or not plan:
-                settled[node] = walk.result(node, Finding(plan), '')
+                own = Plan(plan, walk.cost(plan))
+                settled[node] = BeliefPlans(Status.SOLVED, (own,), cut='number' if plan else '')
     return found, settled
 
 
@@ -111,10 +112,6 @@ class Alternatives:
         subject.seen = set.intersection(*(parent.seen for parent in parents))
         return Finding(None)
 
-    def stand_in(self, subject: Alternative) -> tuple[str, ...] | None:
-        """Return the known plan: a search that takes too long leaves it at what was found."""
-        return subject.plan
-
     def search_input(self, subject: Alternative) -> tuple[bytes, tuple[str, ...]]:
         """Return the input of a search for an optimal plan with an operator not seen yet."""
         state, goal = subject.node.state, self._walk.goal(subject.node)
@@ -128,16 +125,11 @@ class Alternatives:
 
     def settle(self, subject: Alternative, finding: Finding | None) -> None:
         """Go on to the next search, or put the plans together."""
-        if (
-            finding
-            and finding.optimal
-            and finding.plan
-            and self._is_optimal(subject, finding.plan)
-        ):
+        if finding and finding.plan and self._is_optimal(subject, finding.plan):
             self._take_in(subject, finding.plan)
             self.ready.append(subject)
             return
-        subject.complete = finding is not None and finding.optimal
+        subject.complete = finding is not None
         if subject.cost is not None:
             subject.result = (
                 self._inherited(subject)
@@ -152,20 +144,21 @@ class Alternatives:
                 )
                 or OptimalPlans(tuple(subject.found.values())[: self._most], all=False)
             )
-        elif finding is None:
+        else:
             subject.result = OptimalPlans((subject.plan,), all=False)
         for child in subject.children:
             child.open_parents -= 1
             if not child.open_parents:
                 self.ready.append(child)
 
-    def result(self, subject: Alternative, finding: Finding, reason: str) -> BeliefPlans | None:
+    def result(self, subject: Alternative, finding: Finding | None) -> BeliefPlans | None:
         """Return all plans once they are put together, None before."""
         if subject.result is None:
             return None
-        plans = subject.result.plans
         cost = self._walk.cost(subject.plan)
-        return BeliefPlans(Status.SOLVED, tuple(Plan(actions, cost) for actions in plans), reason)
+        plans = tuple(Plan(actions, cost) for actions in subject.result.plans)
+        few = 'time' if not subject.complete else 'number'
+        return BeliefPlans(Status.SOLVED, plans, cut='' if subject.result.all else few)
 
     def _inherited(self, subject: Alternative) -> OptimalPlans | None:
         """Return all plans of a node with more facts if every one works here, None otherwise."""

@@ -25,7 +25,6 @@ OPTIMAL = (
 # What is optimal, too, with conditional effects, and with axioms.
 OPTIMAL_CONDITIONAL = ('astar(hmax())',)
 OPTIMAL_AXIOMS = ('astar(blind())',)
-QUICK = 'let(h,ff(),lazy_greedy([h],preferred=[h],cost_type=one))'
 
 # https://www.fast-downward.org/latest/documentation/exit-codes/
 _SOLVED = (0, 1, 2, 3)

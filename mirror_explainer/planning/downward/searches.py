@@ -1,26 +1,17 @@
-"""Run the searches that nothing spares, a few at a time, each within its time.
+"""Run the searches that nothing spares, a few at a time, each within its time."""
 
-When an optimal search runs out of time, a plan that stands in is better than
-none: one known from another belief, or one that a quick search finds.
-"""
-
+import heapq
+import itertools
 import selectors
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
-from mirror_explainer.planning.downward.program import OPTIMAL_AXIOMS, QUICK, Outcome, Search
+from mirror_explainer.planning.downward.program import Outcome, Search
 from mirror_explainer.planning.downward.subject import Finding, Subject, Subjects
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
-
-# Before the deadline, this share of the time, and so many seconds at most, are for stand-ins.
-_RESERVE = 0.25
-_LONGEST_RESERVE = 5.0
-
-_NEAR = 'the deadline was near'
 
 # When so many searches have failed, and none has not, no more are tried.
 _MOST_FAILURES = 10
@@ -30,34 +21,34 @@ Report = Callable[[Sequence[Belief], Attempt], None]
 
 @dataclass(eq=False)
 class _Job:
-    """What is searched for a subject: an optimal plan, or any because of `reason`.
+    """A subject to search for.
 
-    `text` is the search's input, `left` the optimal configurations still to try.
-    `proves` says whether a quick search that ends without a plan proves there is
-    none: not with axioms. `crashed` says that a search failed that was no first try.
+    `text` is the search's input, `left` the configurations still to try. `crashed` says
+    that a search failed that was no first try.
     """
 
     subjects: Subjects
     subject: Subject
-    reason: str = ''
     text: bytes = b''
     left: tuple[str, ...] = ()
-    proves: bool = True
     crashed: bool = False
 
 
 class Searches:
     """The searches of one call: `calls` many, `searching` the seconds spent on their processes.
 
-    That is to start them, and to wait while there is nothing else to do.
+    That is to start them, and to wait while there is nothing else to do. Those for the first
+    belief come first, then those for the others in the order of their goals.
     """
 
     def __init__(self, ask: Ask, report: Report) -> None:
         self._ask = ask
         self._report = report
         self._end = time.monotonic() + ask.seconds
-        self._hurry = self._end - min(_RESERVE * ask.seconds, _LONGEST_RESERVE)
-        self._queue: deque[_Job] = deque()
+        goals = dict.fromkeys(belief.goal for belief in ask.beliefs)
+        self._rank = {goal: rank for rank, goal in enumerate(goals)}
+        self._numbers = itertools.count()
+        self._queue: list[tuple[int, int, _Job]] = []
         self._running: dict[Search, _Job] = {}
         self._failures = 0
         self._all_failed = True
@@ -95,36 +86,28 @@ class Searches:
         if finding is not None:
             self._settle(job, finding)
         elif job.subject.hopeless:
-            self._begin_stand_in(job, self._too_long())
+            self._settle(job, None, self._too_long())
         else:
-            self._queue.append(job)
+            self._queue_up(job, next(self._numbers))
 
-    def _begin_stand_in(self, job: _Job, reason: str) -> None:
-        job.reason = reason
-        plan = job.subjects.stand_in(job.subject)
-        if plan is not None:
-            self._settle(job, Finding(plan, optimal=False))
-        else:
-            self._queue.appendleft(job)
+    def _queue_up(self, job: _Job, number: int) -> None:
+        members = job.subject.members
+        rank = -1 if self._ask.beliefs[0] in members else self._rank[members[0].goal]
+        heapq.heappush(self._queue, (rank, number, job))
 
     def _fill(self, selector: selectors.BaseSelector) -> None:
         while self._queue and len(self._running) < self._ask.workers:
-            job = self._queue.popleft()
-            if not job.reason and time.monotonic() > self._hurry:
-                self._begin_stand_in(job, _NEAR)
-                continue
+            _, _, job = heapq.heappop(self._queue)
             if not job.text:
                 finding = job.subjects.known(job.subject)  # by what was found while it waited
                 if finding is not None:
                     self._settle(job, finding)
                     continue
                 job.text, job.left = job.subjects.search_input(job.subject)
-                job.proves = job.left != OPTIMAL_AXIOMS
             began = time.monotonic()
-            configuration = QUICK if job.reason else job.left[0]
             try:
                 search = Search(
-                    self._ask.downward, job.text, configuration, self._ask.planning_timeout
+                    self._ask.downward, job.text, job.left[0], self._ask.planning_timeout
                 )
             except OSError as error:
                 reason = f'{self._ask.downward} does not start: {error.strerror}'
@@ -158,12 +141,12 @@ class Searches:
         seconds = self._ask.planning_timeout
         if self._has_next(job):
             seconds = job.subjects.first_try
-        return min(search.since + seconds, self._end if job.reason else self._hurry)
+        return min(search.since + seconds, self._end)
 
     def _has_next(self, job: _Job) -> bool:
         """Say whether a job's search is a first try, to be followed by another."""
         patient = self._ask.planning_timeout > job.subjects.first_try
-        return not job.reason and len(job.left) > 1 and patient
+        return len(job.left) > 1 and patient
 
     def _leave(self, selector: selectors.BaseSelector, search: Search) -> None:
         selector.unregister(search)
@@ -172,19 +155,15 @@ class Searches:
     def _stopped(self, job: _Job, now: float) -> None:
         if now >= self._end:
             return
-        if job.reason:
-            self._give_up(job, unknown(f'no plan within {self._ask.planning_timeout:g} s'))
-        elif now >= self._hurry:
-            self._begin_stand_in(job, _NEAR)
-        elif self._has_next(job):
+        if self._has_next(job):
             self._next(job)
         else:
             job.subject.hopeless = True
-            self._begin_stand_in(job, self._too_long())
+            self._settle(job, None, self._too_long())
 
     def _next(self, job: _Job) -> None:
         job.left = job.left[1:]
-        self._queue.appendleft(job)
+        self._queue_up(job, -next(self._numbers))
 
     def _ended(self, job: _Job, outcome: Outcome) -> None:
         plan: tuple[str, ...] | None = None
@@ -194,20 +173,16 @@ class Searches:
                 reason = 'downward gave a wrong plan'
                 outcome = Outcome(Status.UNKNOWN, reason=reason, crashed=True)
         self._count(outcome)
-        if outcome.status is Status.UNSOLVABLE and job.reason and not job.proves:
-            outcome = Outcome(Status.UNKNOWN, reason='a quick search found no plan')
         if outcome.status is not Status.UNKNOWN:
-            self._settle(job, Finding(plan, optimal=not job.reason))
+            self._settle(job, Finding(plan))
         elif outcome.crashed and self._has_next(job):
             self._next(job)
         elif outcome.crashed and not job.crashed:
             job.crashed = True
-            self._queue.appendleft(job)
-        elif outcome.crashed or job.reason:
-            self._give_up(job, unknown(outcome.reason, outcome.crashed))
+            self._queue_up(job, -next(self._numbers))
         else:
-            job.subject.hopeless = True
-            self._begin_stand_in(job, outcome.reason)
+            job.subject.hopeless = not outcome.crashed
+            self._settle(job, None, unknown(outcome.reason, outcome.crashed))
 
     def _count(self, outcome: Outcome) -> None:
         """Count failures; raise PlanningError when that is all there is."""
@@ -219,23 +194,20 @@ class Searches:
                 cure=f'See what is wrong with {self._ask.downward}, or name another planner.',
             )
 
-    def _settle(self, job: _Job, finding: Finding) -> None:
+    def _settle(self, job: _Job, finding: Finding | None, failure: Attempt | None = None) -> None:
+        """Report what was found, or what the failure leaves."""
         job.subjects.settle(job.subject, finding)
-        reason = '' if finding.optimal else f'a plan that stands in: {job.reason}'
-        result = job.subjects.result(job.subject, finding, reason)
+        result = job.subjects.result(job.subject, finding)
         if result is not None:
-            provisional = job.subjects.provisional and finding.optimal and finding.plan is not None
-            lasting = not provisional and job.reason != _NEAR
-            self._report(job.subject.members, Attempt(result, lasting=lasting))
-
-    def _give_up(self, job: _Job, attempt: Attempt) -> None:
-        job.subjects.settle(job.subject, None)
-        if job.subjects.required:
-            self._report(job.subject.members, attempt)
+            kept = not (job.subjects.provisional and result.cut) and not (
+                failure and failure.crashed
+            )
+            attempt = Attempt(result, lasting=kept)
+        elif failure is not None and job.subjects.required:
+            attempt = failure
+        else:
             return
-        result = job.subjects.result(job.subject, Finding(None), attempt.result.reason)
-        if result is not None:
-            self._report(job.subject.members, replace(attempt, result=result, lasting=False))
+        self._report(job.subject.members, attempt)
 
-    def _too_long(self) -> str:
-        return f'no optimal plan within {self._ask.planning_timeout:g} s'
+    def _too_long(self) -> Attempt:
+        return unknown(f'no optimal plan within {self._ask.planning_timeout:g} s')

@@ -8,11 +8,11 @@ where more facts leave no plan, fewer leave none.
 from collections import defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
-from mirror_explainer.planning.beliefs import Belief, BeliefPlans
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Fact, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
-from mirror_explainer.planning.downward.pieced_plans import PiecedPlans
 from mirror_explainer.planning.downward.program import OPTIMAL
 from mirror_explainer.planning.downward.subject import Finding
 
@@ -23,7 +23,7 @@ class Node:
 
     `facts` are the uncertain facts that hold and matter. `plan` is an optimal
     plan and `cost` what it costs, None while none is known. `hopeless` says that a search ran
-    out of time here, or where more facts hold.
+    out of time here, or where more facts hold; `first`, that it waits for no parent.
     """
 
     goal: int
@@ -37,6 +37,7 @@ class Node:
     plan: tuple[str, ...] | None = None
     cost: int | None = None
     hopeless: bool = False
+    first: bool = False
 
 
 class SupersetWalk:
@@ -44,7 +45,8 @@ class SupersetWalk:
 
     `initial` has the problem's initial atoms, costs are divided by `scale`;
     `provisional` says that other optimal plans will be looked for afterwards.
-    `ready` has the nodes whose parents, which have more facts, are settled.
+    `ready` has the first belief's node, then those whose parents, which have more facts, are
+    settled, goals in the order of the beliefs.
     """
 
     required = True
@@ -65,7 +67,6 @@ class SupersetWalk:
         self._goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
         self._plans: dict[int, dict[tuple[str, ...], int]] = defaultdict(dict)
-        self._pieced = PiecedPlans(grounding.task)
         self._reached: dict[State, set[Fact]] = {}
         self._nodes = _nodes(grounding, initial - frozenset(grounding.uncertain), beliefs)
         for group in self._comparable(self._nodes):
@@ -74,7 +75,10 @@ class SupersetWalk:
                 node.open_parents = len(node.parents)
                 for parent in node.parents:
                     parent.children.append(node)
-        self.ready = deque(node for node in self._nodes if not node.parents)
+        first = [node for node in self._nodes if beliefs and beliefs[0] in node.members]
+        for node in first:
+            node.first = True
+        self.ready = deque([*first, *(n for n in self._nodes if not n.parents and not n.first)])
 
     def optimal(self) -> Iterator[tuple[Node, tuple[str, ...]]]:
         """Yield the nodes with an optimal plan, those with more facts first."""
@@ -113,15 +117,10 @@ class SupersetWalk:
             return Finding(None)
         bounds = [parent.cost for parent in node.parents if parent.cost is not None]
         plan = self._known_plan(node, max(bounds)) if bounds else None
-        plan = plan or self._pieced.plan(node.state, goal)
         if plan is not None:
             return Finding(plan)
         node.hopeless = any(parent.hopeless for parent in node.parents)
         return None
-
-    def stand_in(self, node: Node) -> tuple[str, ...] | None:
-        """Return the cheapest known plan that works for a node, None if none is known."""
-        return self._known_plan(node, float('inf'))
 
     def search_input(self, node: Node) -> tuple[bytes, tuple[str, ...]]:
         """Return the input of the search, and the configurations that are optimal for it."""
@@ -135,23 +134,27 @@ class SupersetWalk:
         """Return a plan's cost, in the problem's metric."""
         return self.task.cost(plan) / self._scale
 
-    def result(self, node: Node, finding: Finding, reason: str) -> BeliefPlans:
+    def result(self, node: Node, finding: Finding | None) -> BeliefPlans | None:
         """Return what the finding says of the node's beliefs."""
-        return finding.result(self.cost, reason)
+        if finding is None:
+            return None
+        if finding.plan is None:
+            return BeliefPlans(Status.UNSOLVABLE)
+        plan = Plan(finding.plan, self.cost(finding.plan))
+        # Until further plans were looked for, it is time that they lack.
+        cut: Literal['', 'time'] = 'time' if self.provisional and finding.plan else ''
+        return BeliefPlans(Status.SOLVED, (plan,), cut=cut)
 
     def settle(self, node: Node, finding: Finding | None) -> None:
         """Take in all that will be known of a node; nodes below it may become ready."""
         if finding is not None and finding.plan is None:
             node.unsolvable = True
         elif finding is not None and finding.plan is not None:
-            cost = self.task.cost(finding.plan)
-            self._plans[node.goal][finding.plan] = cost
-            if finding.optimal:
-                node.plan, node.cost = finding.plan, cost
-                self._pieced.learn(node.state, self.goal(node), finding.plan)
+            node.plan, node.cost = finding.plan, self.task.cost(finding.plan)
+            self._plans[node.goal][finding.plan] = node.cost
         for child in node.children:
             child.open_parents -= 1
-            if not child.open_parents:
+            if not child.open_parents and not child.first:
                 self.ready.append(child)
 
     def _known_plan(self, node: Node, limit: float) -> tuple[str, ...] | None:
@@ -171,7 +174,7 @@ class SupersetWalk:
 
 
 def _nodes(grounding: Grounding, certain: frozenset[str], beliefs: Sequence[Belief]) -> list[Node]:
-    """Return the distinct tasks, those with more facts first."""
+    """Return the distinct tasks, goals as they come, those with more facts first."""
     nodes: dict[tuple[int, frozenset[str]], Node] = {}
     states: dict[frozenset[str], State] = {}
     names = {fact: atom_name(fact[1:-1].split()) for b in beliefs for fact in b.true_facts}
@@ -183,4 +186,5 @@ def _nodes(grounding: Grounding, certain: frozenset[str], beliefs: Sequence[Beli
             states[facts] = state
         node = nodes.setdefault((belief.goal, facts), Node(belief.goal, facts, states[facts]))
         node.members.append(belief)
-    return sorted(nodes.values(), key=lambda node: -len(node.facts))
+    goals = list(dict.fromkeys(belief.goal for belief in beliefs))
+    return sorted(nodes.values(), key=lambda node: (goals.index(node.goal), -len(node.facts)))

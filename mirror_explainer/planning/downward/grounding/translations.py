@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Plan, Status
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.program import OPTIMAL, OPTIMAL_AXIOMS, OPTIMAL_CONDITIONAL
@@ -36,9 +36,6 @@ class Translations:
     def known(self, single: Single) -> Finding | None:
         """Return None: nothing is known without a search."""
 
-    def stand_in(self, single: Single) -> tuple[str, ...] | None:
-        """Return None: no other belief's plan is tried."""
-
     def search_input(self, single: Single) -> tuple[bytes, tuple[str, ...]]:
         """Return the input of the search, and the configurations that are optimal for it."""
         translation = translator.translate(self._lists, single.members[0], self._facts)
@@ -53,15 +50,19 @@ class Translations:
         works = reaches_goal(single.translation.task, actions)
         return tuple(actions[:-1]) if works else None
 
-    def cost(self, single: Single, plan: Sequence[str]) -> float:
+    def _cost(self, single: Single, plan: Sequence[str]) -> float:
         """Return a plan's cost, in the problem's metric."""
         assert single.translation is not None, 'a plan is found with it'
         costs = single.translation.costs
         return sum(costs[action] for action in plan) / self._lists.scale
 
-    def result(self, single: Single, finding: Finding, reason: str) -> BeliefPlans:
+    def result(self, single: Single, finding: Finding | None) -> BeliefPlans | None:
         """Return what the finding says of the belief."""
-        return finding.result(lambda plan: self.cost(single, plan), reason)
+        if finding is None:
+            return None
+        if finding.plan is None:
+            return BeliefPlans(Status.UNSOLVABLE)
+        return BeliefPlans(Status.SOLVED, (Plan(finding.plan, self._cost(single, finding.plan)),))
 
     def settle(self, single: Single, finding: Finding | None) -> None:
         """Take note of nothing: no belief depends on another."""
