@@ -17,7 +17,7 @@ from mirror_explainer.listener.sentences import Sentences, action_parameters
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_text import check_plan, read_plan, without_dummy
-from mirror_explainer.planning import BeliefPlans, Plan, Planner, Status, Stop
+from mirror_explainer.planning import Belief, BeliefPlans, Plan, Planner, Status, Stop
 from mirror_explainer.selection.algorithm import (
     Selection,
     decreasing,
@@ -181,11 +181,18 @@ def prepare(
     """Plan for every belief that the user may hold, and return the mirror model.
 
     Without a `plan` the robot's own is planned too (line 2 of Algorithm 1).
-    `deadline` is in seconds; `cancelled` and `progress` are the planner's.
+    `deadline` is in seconds, `cancelled` is the planner's; `progress` is told (done, all).
     Raises PlanningError, Cancelled, and InputError.
     """
     started = time.perf_counter()
     prior = belief_prior(task, user_model, max_beliefs)
+    told: set[Belief] = set()
+
+    def found(belief: Belief, _: BeliefPlans) -> None:
+        told.add(belief)
+        if progress:
+            progress(len(told), len(prior.beliefs))
+
     if progress:
         progress(0, len(prior.beliefs))
     report = planner.plan(
@@ -194,7 +201,7 @@ def prepare(
         plans_per_belief=plans_per_belief,
         deadline=deadline,
         cancelled=cancelled,
-        progress=progress,
+        found=found,
     )
     if plan is not None:
         _require_truth(report.results[prior.robot_belief], plan)

@@ -53,6 +53,10 @@ class Status(Enum):
     UNKNOWN = 'unknown'  # time, memory or the engine gave out
 
 
+# Why the search for further plans ended before all were found: '' where it did not.
+Cut = Literal['', 'time', 'number']
+
+
 @dataclass(frozen=True)
 class BeliefPlans:
     """What planning found for one belief: plans from the cheapest up, none unless SOLVED.
@@ -65,7 +69,7 @@ class BeliefPlans:
     status: Status
     plans: tuple[Plan, ...] = ()
     reason: str = ''
-    cut: Literal['', 'time', 'number'] = ''
+    cut: Cut = ''
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from pddl_cases import (
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.pddl import read_task
-from mirror_explainer.planning import Belief, BeliefSpace, Plan, Planner, Status
+from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
 
 
 @pytest.fixture(scope='module', params=[True, False], ids=['grounded once', 'one by one'])
@@ -131,33 +131,63 @@ def test_a_changed_problem_is_planned_anew(planner: Planner) -> None:
     assert report.results[0].plans == (Plan(('(polish)',), 1),)
 
 
-def test_progress_is_told_for_each_belief(planner: Planner) -> None:
-    told: list[tuple[int, int]] = []
-    planner.plan(
-        never_planned('for each belief'),
-        [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)],
-        progress=lambda done, total: told.append((done, total)),
+def test_each_result_is_told_as_it_is_found_and_known_ones_at_once(planner: Planner) -> None:
+    space = never_planned('for each belief')
+    beliefs = [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)]
+    told: list[tuple[Belief, BeliefPlans]] = []
+
+    def found(belief: Belief, result: BeliefPlans) -> None:
+        told.append((belief, result))
+
+    first = planner.plan(space, beliefs, found=found)
+    assert dict(told) == dict(zip(beliefs, first.results, strict=True))
+    assert len(told) == 3
+
+    told.clear()
+    planner.plan(space, [Belief(1, TOOLS_SHARP), Belief(1)], found=found)
+    assert [belief for belief, _ in told] == [Belief(1), Belief(1, TOOLS_SHARP)]
+
+
+def test_the_first_belief_comes_first_then_goals_as_asked_and_all_before_further_plans() -> None:
+    space = BeliefSpace(
+        WAREHOUSE_DOMAIN,
+        WAREHOUSE_PROBLEM,
+        ('(holding red_cube)', '(holding blue_cube)', '(or (charged) (robot-at center))'),
+        ('(charged)',),
     )
+    charged = frozenset(['(charged)'])
+    beliefs = [Belief(2), *(Belief(g, f) for g in (1, 0, 2) for f in (frozenset(), charged))]
+    told: list[Belief] = []
+    cuts: dict[Belief, list[str]] = {}
 
-    assert told[-1] == (3, 3)
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    def found(belief: Belief, result: BeliefPlans) -> None:
+        told.append(belief)
+        cuts.setdefault(belief, []).append(result.cut)
+
+    with Planner(workers=1) as planner:
+        planner.plan(space, beliefs, plans_per_belief=300, found=found)
+
+    first = list(dict.fromkeys(told))
+    assert first == told[: len(first)]
+    assert first[0] == Belief(2)
+    goals = [belief.goal for belief in first[1:]]
+    assert goals.index(1) < goals.index(0)
+    # one plan, which is all there are; then the others of a goal that has several
+    assert all(each in (['time', ''], ['']) for each in cuts.values())
+    assert sum(each == ['time', ''] for each in cuts.values()) >= 4
 
 
-def test_progress_counts_only_the_beliefs_asked_about(planner: Planner) -> None:
-    space = never_planned('counted')
-    told: list[tuple[int, int]] = []
-
-    def progress(done: int, total: int) -> None:
-        told.append((done, total))
-
-    planner.plan(space, [Belief(0), Belief(0, TOOLS_SHARP), Belief(1)])
-    planner.plan(space, [Belief(1, TOOLS_SHARP)], progress=progress)
-    planner.plan(replace(space, goals=('(cut)',)), [Belief(0)])
+def test_after_a_space_that_is_refused_the_one_before_is_planned_for_again(
+    planner: Planner,
+) -> None:
+    space = never_planned('before a refusal')
     planner.plan(space, [Belief(0)])
-    planner.plan(space, [Belief(0), Belief(0, TOOLS_SHARP)], progress=progress)
+    with pytest.raises(InputError):
+        planner.plan(replace(space, goals=('(no-such-predicate)',)), [Belief(0)])
 
-    # One new; then, of two, one that is known already
-    assert told == [(1, 1), (2, 2)]
+    [result] = planner.plan(space, [Belief(0, TOOLS_SHARP)]).results
+
+    assert result.plans[0].cost == 2 + 1
 
 
 def test_an_unknown_engine_is_named_together_with_the_installed_ones() -> None:

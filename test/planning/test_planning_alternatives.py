@@ -23,6 +23,7 @@ from mirror_explainer.errors import Cancelled
 from mirror_explainer.experiments.planning.cases import every_belief
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward.ground_task import Operator
+from mirror_explainer.planning.downward.independent_parts import independent_parts
 from mirror_explainer.planning.downward.optimal_plans import optimal_plans
 
 MANY = 3000
@@ -365,7 +366,9 @@ def test_no_more_plans_than_asked(planner: Planner, count: int) -> None:
 
     referee = Referee(space)
     for belief, result in zip(every_belief(space), report.results, strict=True):
-        assert len(result.plans) == min(count, (len(belief.true_facts) + 1) ** 3)
+        existing = (len(belief.true_facts) + 1) ** 3
+        assert len(result.plans) == min(count, existing)
+        assert result.cut == ('number' if count < existing and count > 1 else '')
         assert len(as_sets(result)) == len(result.plans)
         assert all(referee.reaches(belief, plan.actions) for plan in result.plans)
         assert {plan.cost for plan in result.plans} == {6.0}
@@ -417,8 +420,11 @@ def test_cancelling_while_alternatives_are_searched_leaves_nothing() -> None:
     cancelled, solved = threading.Event(), threading.Event()
     errors: list[Exception] = []
 
-    def progress(done: int, total: int) -> None:
-        if done == total:
+    told: set[Belief] = set()
+
+    def found(belief: Belief, result: BeliefPlans) -> None:
+        told.add(belief)
+        if len(told) == 2:
             solved.set()
 
     def ask(planner: Planner) -> None:
@@ -428,7 +434,7 @@ def test_cancelling_while_alternatives_are_searched_leaves_nothing() -> None:
                 every_belief(space),
                 plans_per_belief=MANY,
                 cancelled=cancelled,
-                progress=progress,
+                found=found,
             )
         except Exception as error:
             errors.append(error)
@@ -489,3 +495,13 @@ def test_equal_actions_in_another_order_are_one_plan(planner: Planner) -> None:
 
     assert check(Referee(space), Belief(0), result) == 2
     assert len({frozenset(Counter(plan.actions).items()) for plan in result.plans}) == 2
+
+
+def test_operators_are_apart_unless_one_changes_what_another_reads_or_changes() -> None:
+    reads_only_what_stays = Operator('(a)', ((9, 0), (0, 0)), ((0, 1),), 1, '')
+    reads_it_too = Operator('(b)', ((9, 0),), ((1, 1),), 1, '')
+    reads_what_b_changes = Operator('(c)', ((1, 1),), ((2, 1),), 1, '')
+
+    parts = independent_parts([reads_only_what_stays, reads_it_too, reads_what_b_changes])
+
+    assert parts == [[reads_only_what_stays], [reads_it_too, reads_what_b_changes]]

@@ -137,7 +137,7 @@ def test_a_program_killed_in_mid_search_leaves_neither_process_nor_file(
         'from mirror_explainer.planning import *\n'
         f'space = BeliefSpace({domain!r}, {problem!r}, ({goal!r},))\n'
         f"with Planner('{engine}', planning_timeout=60) as planner:\n"
-        '    planner.plan(space, [Belief(0)], progress=print)\n'
+        '    planner.plan(space, [Belief(0)], found=print)\n'
     )
     with subprocess.Popen(
         [sys.executable, '-c', code],

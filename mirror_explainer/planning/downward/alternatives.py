@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.flagged_task import (
     DOWN,
     UP,
@@ -157,8 +157,8 @@ class Alternatives:
             return None
         cost = self._walk.cost(subject.plan)
         plans = tuple(Plan(actions, cost) for actions in subject.result.plans)
-        few = 'time' if not subject.complete else 'number'
-        return BeliefPlans(Status.SOLVED, plans, cut='' if subject.result.all else few)
+        cut: Cut = '' if subject.result.all else 'number' if subject.complete else 'time'
+        return BeliefPlans(Status.SOLVED, plans, cut=cut)
 
     def _inherited(self, subject: Alternative) -> OptimalPlans | None:
         """Return all plans of a node with more facts if every one works here, None otherwise."""

@@ -8,9 +8,8 @@ where more facts leave no plan, fewer leave none.
 from collections import defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
-from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Plan, Status
+from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Fact, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
 from mirror_explainer.planning.downward.program import OPTIMAL
@@ -142,7 +141,7 @@ class SupersetWalk:
             return BeliefPlans(Status.UNSOLVABLE)
         plan = Plan(finding.plan, self.cost(finding.plan))
         # Until further plans were looked for, it is time that they lack.
-        cut: Literal['', 'time'] = 'time' if self.provisional and finding.plan else ''
+        cut: Cut = 'time' if self.provisional and finding.plan else ''
         return BeliefPlans(Status.SOLVED, (plan,), cut=cut)
 
     def settle(self, node: Node, finding: Finding | None) -> None:

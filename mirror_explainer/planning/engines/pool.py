@@ -93,6 +93,7 @@ class EnginePool:
                 seat.worker.send(seat.belief)
                 work.calls += 1
             else:
+                seat.space = None  # what it knew is gone, also if it refuses the new one
                 seat.worker.send(
                     Setup(self._engine, work.space, self._timeout, self._memory_limit)
                 )

@@ -165,7 +165,7 @@ def main() -> None:
     while True:
         message = parent.receive()
         if isinstance(message, Setup):
-            seconds = message.planning_timeout
+            engine, seconds = None, message.planning_timeout
             limit_memory(message.memory_limit)
             limit_engine(None)
             pddl.forget_expressions()
