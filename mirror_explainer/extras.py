@@ -12,7 +12,12 @@ _NEEDED: Mapping[str, Mapping[str, str]] = {
         'tabulate': 'tabulate',
         'tqdm': 'tqdm',
     },
-    'web': {'django': "'Django>=5.2,<6'", 'django_htmx': 'django-htmx', 'waitress': 'waitress'},
+    'web': {
+        'django': "'Django>=5.2,<6'",
+        'django_htmx': 'django-htmx',
+        'waitress': 'waitress',
+        'whitenoise': 'whitenoise',
+    },
 }
 _USERS = {'experiments': 'the experiments need', 'web': 'the pages need'}
 

@@ -1,6 +1,7 @@
 """What every answer carries, and who gets one: headers, and the token where one is asked for."""
 
 from collections.abc import Callable
+from http import HTTPStatus
 
 from django.conf import settings
 from django.core.exceptions import MiddlewareNotUsed
@@ -12,13 +13,17 @@ Handler = Callable[[HttpRequest], HttpResponse]
 
 
 def security_headers(get_response: Handler) -> Handler:
-    """Add the headers that Django leaves to others; pages are never kept by a browser.
+    """Add the headers that Django leaves to others, and words to its empty 405.
 
-    So the back button shows what is the case now, not what was.
+    Pages are never kept by a browser: the back button shows what is the case now.
     """
 
     def handle(request: HttpRequest) -> HttpResponse:
         response = get_response(request)
+        if response.status_code == HTTPStatus.METHOD_NOT_ALLOWED and not response.content:
+            allowed = response['Allow']
+            response = render(request, '405.html', status=HTTPStatus.METHOD_NOT_ALLOWED)
+            response['Allow'] = allowed
         response['Content-Security-Policy'] = settings.CONTENT_SECURITY_POLICY
         response['Cross-Origin-Resource-Policy'] = 'same-origin'
         response.setdefault('Cache-Control', 'no-store')
@@ -48,8 +53,8 @@ def access(get_response: Handler) -> Handler:
             response.set_cookie(name, proof, httponly=True, samesite='Lax')
             return response
         known = constant_time_compare(request.COOKIES.get(name, ''), proof)
-        if known or request.path.startswith(settings.STATIC_URL):
+        if known:
             return get_response(request)
-        return render(request, 'no_access.html', status=403)
+        return render(request, 'no_access.html', status=HTTPStatus.FORBIDDEN)
 
     return handle

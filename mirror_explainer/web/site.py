@@ -4,7 +4,6 @@ Settings are made in code, so that a page is a package like any other. Django ke
 them for the whole process: one process serves one site.
 """
 
-import logging
 import secrets
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ import django
 from django.conf import settings
 
 from mirror_explainer.web.address import Address
-from mirror_explainer.web.unknown_hosts import UnknownHosts
+from mirror_explainer.web.refusals import log_few_lines
 
 # Nothing from elsewhere, nothing inline: a page can neither load nor run what we did not write.
 _POLICY = {
@@ -61,14 +60,22 @@ def configure(site: Site, address: Address | None = None) -> None:
         # Signs nothing that has to outlive the process.
         SECRET_KEY=secrets.token_urlsafe(32),
         ROOT_URLCONF='mirror_explainer.web.urls',
-        INSTALLED_APPS=['mirror_explainer.web', site.app],
+        INSTALLED_APPS=[
+            'django.contrib.staticfiles',
+            'django_htmx',
+            'mirror_explainer.web',
+            site.app,
+        ],
         MIDDLEWARE=[
             'mirror_explainer.web.middleware.security_headers',
             'django.middleware.security.SecurityMiddleware',
+            'django.middleware.clickjacking.XFrameOptionsMiddleware',
             'django.middleware.common.CommonMiddleware',  # checks the Host header first
+            # A list of the files in static/ of all apps, made at the start: no path of a
+            # request is ever looked up.
+            'whitenoise.middleware.WhiteNoiseMiddleware',
             'mirror_explainer.web.middleware.access',
             'django.middleware.csrf.CsrfViewMiddleware',
-            'django.middleware.clickjacking.XFrameOptionsMiddleware',
         ],
         TEMPLATES=[
             {
@@ -83,6 +90,10 @@ def configure(site: Site, address: Address | None = None) -> None:
         DATABASES=_databases(site.database),
         DEFAULT_AUTO_FIELD='django.db.models.BigAutoField',
         STATIC_URL='/static/',
+        WHITENOISE_USE_FINDERS=True,
+        WHITENOISE_AUTOREFRESH=False,
+        WHITENOISE_MAX_AGE=0,
+        WHITENOISE_ALLOW_ALL_ORIGINS=False,
         APPEND_SLASH=False,
         USE_I18N=False,
         USE_TZ=True,
@@ -91,9 +102,9 @@ def configure(site: Site, address: Address | None = None) -> None:
         CSRF_COOKIE_SAMESITE='Lax',
         X_FRAME_OPTIONS='DENY',
         SECURE_REFERRER_POLICY='same-origin',
-        LOGGING_CONFIG=None,  # Python's own default: warnings and errors on stderr
+        LOGGING_CONFIG=None,
     )
-    logging.getLogger('django.security.DisallowedHost').addFilter(UnknownHosts())
+    log_few_lines()
     django.setup()
     if site.database is not None:
         from django.core.management import call_command

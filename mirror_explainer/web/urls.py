@@ -3,8 +3,7 @@
 from django.conf import settings
 from django.urls import include, path
 
-from mirror_explainer.web.static_files import static_routes
-from mirror_explainer.web.unknown_hosts import bad_request
+from mirror_explainer.web.refusals import bad_request
 
-urlpatterns = [*static_routes(), path('', include(f'{settings.SITE.app}.urls'))]
+urlpatterns = [path('', include(f'{settings.SITE.app}.urls'))]
 handler400 = bad_request

@@ -4,23 +4,28 @@ import argparse
 import http.client
 import logging
 import signal
-from types import SimpleNamespace
+import socket
+import subprocess
+import sys
+from contextlib import ExitStack
 
 import pytest
 
 pytest.importorskip('django', reason='the extra [web] is not installed')
 
 from browser import overflow, person, served, violations  # noqa: E402
+from study_client import STUDY  # noqa: E402
 
 from mirror_explainer.web.address import add_address_arguments, address  # noqa: E402
+from mirror_explainer.web.refusals import MOST_WARNINGS, PERIOD, FewWarnings  # noqa: E402
 from mirror_explainer.web.site import CONTENT_SECURITY_POLICY  # noqa: E402
-from mirror_explainer.web.unknown_hosts import MOST_NAMES, PERIOD, UnknownHosts  # noqa: E402
 
 TOKEN = 'a-token-of-the-test'
 PROGRAM = """
 import argparse
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.serving import serve
+from mirror_explainer.web.refusals import MOST_WARNINGS, PERIOD, FewWarnings  # noqa: E402
 from mirror_explainer.web.site import Site, configure
 parser = argparse.ArgumentParser()
 add_address_arguments(parser, 0)
@@ -128,21 +133,36 @@ def test_the_log_has_one_line_for_a_name_and_few_for_many(tmp_path):
         assert ask(server, f'/?token={TOKEN}', host='robot.example').status == 302
     lines = logged(tmp_path / 'log')
 
-    assert len(lines) == MOST_NAMES
+    assert sum('which this machine is not known by' in line for line in lines) <= MOST_WARNINGS
     assert lines[0].endswith('start this program with --name robot.local')
     assert sum('robot.local' in line for line in lines) == 1
     assert not any(TOKEN in line for line in lines)
 
 
-def test_a_name_is_told_again_after_a_while():
+def test_whoever_asks_for_what_is_not_there_cannot_fill_the_log(tmp_path):
+    with (tmp_path / 'log').open('w') as log, demo(stderr=log) as server:
+        for number in range(100):
+            assert ask(server, f'/nowhere-{number}%0Aforged').status == 404
+            assert ask(server, method='POST', body='said=hello').status == 403
+        assert ask(server, '/broken').status == 500
+        assert ask(server, '/broken').status == 500
+    text = (tmp_path / 'log').read_text()
+
+    assert 'Not Found: /nowhere-0' in text
+    assert text.count('Not Found') < MOST_WARNINGS
+    assert text.count('Forbidden') == 1
+    assert 'forged' not in text.replace('\\nforged', '').split()
+    assert text.count('RuntimeError: broken on purpose') == 2  # an error of ours is never hidden
+
+
+def test_a_warning_is_told_again_after_a_while():
     now = 0.0
-    hosts = UnknownHosts(clock=lambda: now)
+    few = FewWarnings(clock=lambda: now)
 
-    def is_told(host):
-        request = SimpleNamespace(headers={'Host': host})
-        return hosts.filter(logging.makeLogRecord({'request': request}))
+    def is_told(message):
+        return few.filter(logging.makeLogRecord({'msg': message, 'levelno': logging.WARNING}))
 
-    assert is_told('robot.local:8350')
+    assert is_told('robot.local')
     assert not is_told('robot.local')
     now = PERIOD + 1
     assert is_told('robot.local')
@@ -224,14 +244,14 @@ def test_every_answer_forbids_what_no_page_needs(site, path):
     assert headers['X-Content-Type-Options'] == 'nosniff'
     assert headers['X-Frame-Options'] == 'DENY'
     assert headers['Referrer-Policy'] == 'same-origin'
-    assert headers['Cache-Control'] in ('no-store', 'no-cache')
+    assert headers['Cache-Control'] in ('no-store', 'max-age=0, public')
     assert 'Server' not in headers
 
 
 def test_static_files_are_a_fixed_list(site):
     for name, kind in (
         ('style.css', 'text/css'),
-        ('htmx.min.js', 'text/javascript'),
+        ('django_htmx/htmx-2.min.js', 'text/javascript'),
         ('icon.svg', 'image/svg+xml'),
     ):
         response = ask(site, f'/static/{name}')
@@ -241,9 +261,9 @@ def test_static_files_are_a_fixed_list(site):
         assert again.status == 304
     for path in (
         '/static/',
-        '/static/../static_files.py',
-        '/static/%2e%2e/static_files.py',
-        '/static/..%2fstatic_files.py',
+        '/static/../site.py',
+        '/static/%2e%2e/site.py',
+        '/static/..%2fsite.py',
         '/static//etc/passwd',
         '/static/style.css%00',
         '/../../etc/passwd',
@@ -262,6 +282,38 @@ def test_a_mistake_of_ours_shows_no_insides(site):
 def test_a_body_larger_than_any_form_is_refused(site):
     kind = 'application/x-www-form-urlencoded'
     assert ask(site, method='POST', body='a=' + 'x' * 100_000, Content_Type=kind).status == 413
+
+
+def test_a_page_that_only_takes_forms_says_so_and_head_is_answered(site):
+    response = ask(site, '/takes_forms')
+
+    assert (response.status, response.headers['Allow']) == (405, 'POST')
+    assert 'takes what a form sends' in response.text
+    assert ask(site, method='HEAD').status == 200
+    assert ask(site, '/static/style.css', method='HEAD').status == 200
+
+
+def test_an_address_that_is_taken_is_told_with_the_cure(site, tmp_path):
+    pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
+    ended = subprocess.run(
+        [sys.executable, *STUDY, 'serve', '--port', site.port, '--database', tmp_path / 'study'],
+        capture_output=True,
+        text=True,
+    )
+
+    assert ended.returncode == 2
+    assert f'127.0.0.1:{site.port}: another program serves at this address' in ended.stderr
+    assert 'End it, or name another with --port' in ended.stderr
+
+
+def test_a_crowd_of_idle_connections_locks_nobody_out():
+    with demo() as server, ExitStack() as crowd:
+        for _ in range(400):
+            idle = socket.create_connection(('127.0.0.1', int(server.port)))
+            crowd.enter_context(idle)
+            idle.sendall(b'HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n')
+
+        assert ask(server).status == 200
 
 
 @pytest.mark.parametrize('told', [signal.SIGINT, signal.SIGTERM])

@@ -29,7 +29,7 @@ from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, told
 from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.operator.heard import (
@@ -165,10 +165,10 @@ class OperatorPage(Node):
 
     def _on_diagnostics(self, array: DiagnosticArray) -> None:
         name = f'{self._name.lstrip("/")}: explanation'
-        for told in array.status:
-            if told.name == name:
-                values = {pair.key: pair.value for pair in told.values}
-                status = Status.of(told.level[0], told.message, values)
+        for item in array.status:
+            if item.name == name:
+                values = {pair.key: pair.value for pair in item.values}
+                status = Status.of(item.level[0], item.message, values)
                 self._last_status = time.monotonic()
                 self._update(
                     lambda heard: replace(heard, status=status, status_at=_clock())  # noqa: B023
@@ -226,8 +226,8 @@ def main(args: Sequence[str] | None = None) -> int:
         where = address(options)
         configure(operator_site(node, node.get_namespace()), where)
         serve(where)
-    except OSError as error:
-        print(f'operator_page: {error}', file=sys.stderr)
+    except (InputError, OSError) as error:
+        print(f'operator_page: {told(error)}', file=sys.stderr)
         return 1
     finally:
         executor.shutdown()

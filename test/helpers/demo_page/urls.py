@@ -3,6 +3,7 @@
 from django.http import HttpResponse
 from django.template import engines
 from django.urls import path
+from django.views.decorators.http import require_POST
 
 FORM = """
 {% extends 'base.html' %}
@@ -28,4 +29,4 @@ def broken(request):
     raise RuntimeError('broken on purpose')
 
 
-urlpatterns = [path('', demo), path('broken', broken)]
+urlpatterns = [path('', demo), path('broken', broken), path('takes_forms', require_POST(demo))]
