@@ -5,9 +5,9 @@ import re
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from mirror_explainer.explainer import Explanation, Preparation, explain
+from mirror_explainer.settings import Question
 
 # How long a call waits for its turn, in seconds: with `remember` each has an answer of its own.
 TURN_SECONDS = 5.0
@@ -17,16 +17,16 @@ _CONTROL = re.compile(r'[\x00-\x08\x0b-\x1f\x7f-\x9f]')
 
 @dataclass(frozen=True)
 class _Made:
-    """An answer, as text and as JSON, and the question that it answers."""
+    """An answer, as text and as JSON, and the question that it answers after what was said."""
 
-    question: object
+    asked: tuple[Question, tuple[str, ...]]
     explanation: Explanation
     text: str
     report: str
 
 
 class Answers:
-    """Answers from the preparations of states.
+    """Answers from what was prepared.
 
     `publish` is called with each answer's text and its JSON, one answer at a time,
     so that both are always of the same one, and never with an answer to older inputs
@@ -45,8 +45,8 @@ class Answers:
         self._made_for: Preparation | None = None
         self._made: dict[bool, _Made] = {}
 
-    def make(self, preparation: Preparation, number: int, question: dict[str, Any]) -> None:
-        """Make the answer to a question (arguments of `explain`), so that a call finds it made.
+    def make(self, preparation: Preparation, number: int, question: Question) -> None:
+        """Make the answer to a question, so that a call finds it made.
 
         `number` grows with each update.
         """
@@ -55,7 +55,7 @@ class Answers:
             self._get(preparation, question, ())
 
     def give(
-        self, preparation: Preparation, number: int, question: dict[str, Any], remember: bool
+        self, preparation: Preparation, number: int, question: Question, remember: bool
     ) -> str | None:
         """Publish the answer to a question, and return its text.
 
@@ -101,16 +101,21 @@ class Answers:
             self._said = [sentence for sentence in kept if sentence in model.sentences]
             self._goal = model.robot_goal.goal
 
-    def _get(
-        self, preparation: Preparation, question: dict[str, Any], said: tuple[str, ...]
-    ) -> _Made:
+    def _get(self, preparation: Preparation, question: Question, said: tuple[str, ...]) -> _Made:
         """Return the answer, which is kept; of those after something said the last one is."""
         if self._made_for is not preparation:
             self._made_for, self._made = preparation, {}
         asked = (question, said)
         made = self._made.get(bool(said))
-        if made is None or made.question != asked:
-            explanation = explain(preparation, said=said, **question)
+        if made is None or made.asked != asked:
+            explanation = explain(
+                preparation,
+                strategy=question.strategy,
+                n=question.n,
+                threshold=question.threshold,
+                selection_budget=question.selection_budget,
+                said=said,
+            )
             values = {**explanation.as_dict(hypotheses=False), 'inputs': preparation.inputs}
             report = json.dumps(values, ensure_ascii=False)
             made = _Made(asked, explanation, printable(explanation.text), printable(report))

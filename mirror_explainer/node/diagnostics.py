@@ -9,8 +9,9 @@ from enum import IntEnum
 
 from mirror_explainer.explainer import Explanation
 from mirror_explainer.node.history import History
+from mirror_explainer.node.inputs import Inputs
 from mirror_explainer.node.moment import Moment
-from mirror_explainer.node.state import Inputs, Phase, State
+from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Surroundings
 
 # What is latched has arrived by the time that the node has waited for so long.
@@ -37,7 +38,7 @@ class Diagnosis:
 
 
 def diagnose(
-    state: State,
+    readiness: Readiness,
     history: History,
     inputs: Inputs,
     surroundings: Surroundings,
@@ -49,24 +50,24 @@ def diagnose(
     is worked on, things are as bad as the last update left them.
     """
     now = Moment()
-    working = state.phase is Phase.WORKING
-    level, message, cure = _verdict(history.outcome if working else state, surroundings, now)
+    working = readiness.phase is Phase.PLANNING
+    level, message, cure = _verdict(history.outcome if working else readiness, surroundings, now)
     if working and level is Level.ERROR:
-        message = f'{state.message}; the last update failed: {message}'
+        message = f'{readiness.message}; the last update failed: {message}'
     elif working:
-        message, cure = state.message, ''
-    since = history.since if state.phase is history.outcome.phase else state.since
+        message, cure = readiness.message, ''
+    since = history.since if readiness.phase is history.outcome.phase else readiness.since
     values = {
-        'state': state.phase.value,
+        'state': readiness.phase.value,
         'state since': str(since),
         'seconds in this state': f'{now.seconds_since(since):.0f}',
         'what to do': cure or 'nothing',
         **_last_error(history, now),
-        'inputs': state.inputs.digest,
+        'inputs': readiness.inputs.digest,
         **_ages(inputs, surroundings, now),
         'other servers of verbalize_plan': str(surroundings.rivals),
         **{f'publishers of {n}': str(count) for n, count in surroundings.publishers.items()},
-        **_work(state, history, answer),
+        **_work(readiness, history, answer),
         'MiB of node': f'{surroundings.node_memory / 2**20:.0f}',
         'MiB of planners': f'{surroundings.planner_memory / 2**20:.0f}',
         'version': surroundings.version,
@@ -74,21 +75,23 @@ def diagnose(
     return Diagnosis(level, _short(message), {key: _short(text) for key, text in values.items()})
 
 
-def _verdict(state: State, surroundings: Surroundings, now: Moment) -> tuple[Level, str, str]:
+def _verdict(
+    readiness: Readiness, surroundings: Surroundings, now: Moment
+) -> tuple[Level, str, str]:
     """Return level, message and cure of how an update ended."""
-    if state.phase is Phase.ERROR:
-        return Level.ERROR, state.message, state.cure
-    if state.preparation is None:
-        return Level.WARN, *_what_is_waited_for(state, surroundings, now)
+    if readiness.phase is Phase.ERROR:
+        return Level.ERROR, readiness.message, readiness.cure
+    if readiness.preparation is None:
+        return Level.WARN, *_what_is_waited_for(readiness, surroundings, now)
     if surroundings.rivals:
         message, cure = rivalry(surroundings.rivals)
-        return Level.WARN, f'{state.message}, but {message}', cure
-    model = state.preparation.model
+        return Level.WARN, f'{readiness.message}, but {message}', cure
+    model = readiness.preparation.model
     silent = [name for name, count in surroundings.publishers.items() if not count]
     if silent:
         return (
             Level.WARN,
-            f'{state.message}, but nobody publishes {" and ".join(silent)} any more',
+            f'{readiness.message}, but nobody publishes {" and ".join(silent)} any more',
             "See whether the robot's planner still runs: the answers are about its last plan.",
         )
     if not model.complete:
@@ -96,24 +99,26 @@ def _verdict(state: State, surroundings: Surroundings, now: Moment) -> tuple[Lev
         why = [left_out] if model.covered_mass < 1.0 - 1e-9 else []
         return (
             Level.WARN,
-            f'{state.message}, but not for all beliefs: {"; ".join([*why, *model.warnings])}',
+            f'{readiness.message}, but not for all beliefs: {"; ".join([*why, *model.warnings])}',
             'Raise deadline, planning_timeout or max_beliefs, or let the user model have fewer '
             'beliefs.',
         )
-    return Level.OK, state.message, ''
+    return Level.OK, readiness.message, ''
 
 
-def _what_is_waited_for(state: State, surroundings: Surroundings, now: Moment) -> tuple[str, str]:
-    """Return the message of a state without an explanation, and the cure."""
+def _what_is_waited_for(
+    readiness: Readiness, surroundings: Surroundings, now: Moment
+) -> tuple[str, str]:
+    """Return the message without an explanation, and the cure."""
     unheard = [
         name
-        for name, heard in (('problem', state.inputs.problem), ('plan', state.inputs.plan))
+        for name, heard in (('problem', readiness.inputs.problem), ('plan', readiness.inputs.plan))
         if heard is None and surroundings.publishers.get(name)
     ]
-    if not unheard or now.seconds_since(state.since) < _ARRIVAL_SECONDS:
-        return state.message, state.cure
+    if not unheard or now.seconds_since(readiness.since) < _ARRIVAL_SECONDS:
+        return readiness.message, readiness.cure
     return (
-        f'{state.message}; somebody publishes {" and ".join(unheard)}, but nothing was heard',
+        f'{readiness.message}; somebody publishes {" and ".join(unheard)}, but nothing was heard',
         'Let it be published again, or latched (transient local). If that does not help, the '
         'middleware loses it: start this node again.',
     )
@@ -159,7 +164,7 @@ def _ages(inputs: Inputs, surroundings: Surroundings, now: Moment) -> dict[str, 
     return values
 
 
-def _work(state: State, history: History, answer: Explanation | None) -> dict[str, str]:
+def _work(readiness: Readiness, history: History, answer: Explanation | None) -> dict[str, str]:
     """Return what was done, how long it took, and what is covered by the plans found."""
     values = {
         'updates': str(history.updates),
@@ -170,12 +175,12 @@ def _work(state: State, history: History, answer: Explanation | None) -> dict[st
         values['seconds of last call'] = f'{history.last_call:.3f}'
     if answer is not None:
         values['seconds selecting'] = f'{answer.preparation.seconds.selection:.3f}'
-    if state.preparation is not None:
-        model, seconds = state.preparation.model, state.preparation.seconds
+    if readiness.preparation is not None:
+        model, seconds = readiness.preparation.model, readiness.preparation.seconds
         values |= {
             'seconds reading': f'{seconds.read:.3f}',
             'seconds planning': f'{seconds.planning:.3f}',
-            'planner calls': str(state.preparation.planner_calls),
+            'planner calls': str(readiness.preparation.planner_calls),
             'hypotheses': str(len(model.hypotheses)),
             'covered mass': f'{model.covered_mass:.6f}',
             'unsolvable mass': f'{model.unsolvable_mass:.6f}',

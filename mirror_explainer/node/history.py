@@ -6,26 +6,28 @@ from dataclasses import dataclass, field, replace
 
 from mirror_explainer.errors import with_cure
 from mirror_explainer.node.moment import Moment
-from mirror_explainer.node.state import Phase, State
+from mirror_explainer.node.readiness import Phase, Readiness
 
 
 @dataclass(frozen=True)
 class History:
-    """What the present state alone does not tell.
+    """What the present readiness alone does not tell.
 
     `outcome` is how the last update ended, and `since` when updates began to end in
     that phase. `last_call` is how many seconds the last call took.
     """
 
-    outcome: State = field(default_factory=lambda: State(Phase.WAITING, 'waiting for inputs'))
+    outcome: Readiness = field(
+        default_factory=lambda: Readiness(Phase.WAITING, 'waiting for inputs')
+    )
     since: Moment = field(default_factory=Moment)
     updates: int = 0
-    last_error: State | None = None
+    last_error: Readiness | None = None
     calls_answered: int = 0
     calls_failed: int = 0
     last_call: float | None = None
 
-    def after_update(self, outcome: State) -> 'History':
+    def after_update(self, outcome: Readiness) -> 'History':
         """Return the history with one more update that ended so."""
         after = replace(self, outcome=outcome, updates=self.updates + 1)
         if outcome.phase is not self.outcome.phase:
@@ -44,7 +46,7 @@ class History:
         )
 
 
-def news(before: State, now: State) -> Iterator[tuple[int, str]]:
+def news(before: Readiness, now: Readiness) -> Iterator[tuple[int, str]]:
     """Yield what a log should say of an update, as levels and lines.
 
     A robot may replan ten times a second: that it still can be explained is no news.

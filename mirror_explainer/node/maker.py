@@ -11,7 +11,8 @@ from mirror_explainer.errors import Cancelled, InputError, NoPlanError, Planning
 from mirror_explainer.explainer import Preparation, prepare, robot_plan
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.user_model import read_user_model
-from mirror_explainer.node.state import Inputs, Phase, State, Text
+from mirror_explainer.node.inputs import Inputs, Text
+from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
 from mirror_explainer.pddl.plan_text import read_plan
@@ -28,7 +29,7 @@ _REPORT = 'Report it with the log and the inputs; the next input is tried all th
 
 
 class Maker:
-    """Makes states of inputs, one at a time.
+    """Makes the explainer ready to answer about inputs, one at a time.
 
     `make_planner` is called once it is needed, and again after planning failed.
     `files` knows the files that were read. `close` may come from any thread.
@@ -55,10 +56,10 @@ class Maker:
 
     def make(
         self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
-    ) -> State:
+    ) -> Readiness:
         """Return what comes of the inputs. Raises Cancelled when it is to stop."""
-        state = self._state_for(inputs, stop, progress)
-        return replace(state, inputs=self._as_read(inputs))
+        readiness = self._readiness_for(inputs, stop, progress)
+        return replace(readiness, inputs=self._as_read(inputs))
 
     def close(self) -> None:
         """End the planner, and with it what is being planned; no other will be made."""
@@ -66,33 +67,33 @@ class Maker:
             self._closed = True
         self._drop_planner()
 
-    def _state_for(
+    def _readiness_for(
         self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
-    ) -> State:
+    ) -> Readiness:
         try:
             if inputs.missing:
                 _check_alone(inputs, partial(self.files.read, limits=inputs.limits))
-                return State(
+                return Readiness(
                     Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
                 )
             preparation = self._prepare(inputs, stop, progress)
             failed = preparation.failed_beliefs > 0
-            return State(Phase.READY, 'ready', preparation, may_pass=failed)
+            return Readiness(Phase.READY, 'ready', preparation, may_pass=failed)
         except NoPlanError as error:
-            return State(Phase.WAITING, str(error), cure=error.cure)
+            return Readiness(Phase.WAITING, str(error), cure=error.cure)
         except InputError as error:
             cure = error.cure or _CORRECT
-            return State(Phase.ERROR, str(error), cure=cure, blamed=error.source)
+            return Readiness(Phase.ERROR, str(error), cure=cure, blamed=error.source)
         except Cancelled:
             raise
         except PlanningError as error:
             self._drop_planner()
-            return State(Phase.ERROR, str(error), cure=error.cure, may_pass=True)
+            return Readiness(Phase.ERROR, str(error), cure=error.cure, may_pass=True)
         except Exception as error:  # the node must outlive a fault of ours
             self._drop_planner()
             _log.exception('where the internal error came from')
             message = f'internal error, please report it: {error!r}'
-            return State(Phase.ERROR, message, cure=_REPORT, may_pass=True)
+            return Readiness(Phase.ERROR, message, cure=_REPORT, may_pass=True)
 
     def _prepare(
         self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
@@ -113,9 +114,9 @@ class Maker:
             plan,
             user_model,
             self._ready_planner(),
-            max_beliefs=inputs.max_beliefs,
-            plans_per_belief=inputs.plans_per_belief,
-            deadline=inputs.deadline,
+            max_beliefs=inputs.planning.max_beliefs,
+            plans_per_belief=inputs.planning.plans_per_belief,
+            deadline=inputs.planning.deadline,
             cancelled=stop,
             progress=progress,
         )

@@ -1,19 +1,22 @@
-"""The node's parameters: names, defaults, ranges, and which can be set on the running node."""
+"""The node's parameters: all that a running explainer may be told, with ranges and meanings."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import fields
+from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
 from mirror_explainer.errors import did_you_mean
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.settings import Meaning, PlanningSettings, Question, setting, settings_of
+from mirror_explainer.node.inputs import Configuration, NodeSettings
+from mirror_explainer.settings import Meaning, PlanningSettings, Question, settings_of
 
-# Those of no dataclass: what the node hears and does, beside planning and answering.
-_OWN = {
-    'domain_file': setting('', 'PDDL domain; a message on "domain" replaces it', fixed=True),
-    'user_model_file': setting('', 'YAML: what the listener may believe'),
-    'remember': setting(False, 'whether each answer conditions the next'),
-    'answer_timeout': setting(5.0, 's, that a call waits for an update', least=0.0, most=1e6),
+# The parts of a Configuration.
+_PARTS = {
+    'node': NodeSettings,
+    'question': Question,
+    'planning': PlanningSettings,
+    'limits': InputLimits,
 }
 
 
@@ -31,18 +34,21 @@ def _descriptor(default: object, meaning: Meaning) -> ParameterDescriptor:
     return descriptor
 
 
-def _declared() -> Iterator[tuple[str, object, Meaning]]:
-    for name, item in _OWN.items():
-        yield name, item.default, item.metadata['meaning']
-    for kind in (Question, PlanningSettings, InputLimits):
-        for item, meaning in settings_of(kind):
-            yield item.name, item.default, meaning
-
-
-CHOICES = {name: meaning.choices for name, _, meaning in _declared() if meaning.choices}
+_SETTINGS = [found for part in _PARTS.values() for found in settings_of(part)]
+CHOICES = {item.name: meaning.choices for item, meaning in _SETTINGS if meaning.choices}
 PARAMETERS = tuple(
-    (name, default, _descriptor(default, meaning)) for name, default, meaning in _declared()
+    (item.name, item.default, _descriptor(item.default, meaning)) for item, meaning in _SETTINGS
 )
+
+
+def configuration(value_of: Callable[[str], Any]) -> Configuration:
+    """Return what the parameters say, each by its name."""
+    return Configuration(
+        **{
+            name: part(**{item.name: value_of(item.name) for item in fields(part)})
+            for name, part in _PARTS.items()
+        }
+    )
 
 
 def unknown_parameters(given: Iterable[str], declared: Collection[str]) -> Iterator[str]:

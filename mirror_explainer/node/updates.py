@@ -1,8 +1,6 @@
-"""Keeps an explanation ready: newest input wins, work in one thread of its own.
+"""Keeps an explanation ready: the newest inputs win, work goes on in a thread of its own.
 
-This is the node's engine room, without ROS: inputs go in, a state comes out, and whoever
-needs an answer waits here. When to work, and for whom, is decided here; what the work is,
-in `maker.py`.
+When to work, and for whom, is decided here; what the work is, in `maker.py`.
 """
 
 import logging
@@ -12,35 +10,29 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from mirror_explainer.errors import Cancelled
+from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.maker import Maker
+from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.retries import Retries
-from mirror_explainer.node.state import Inputs, Phase, State, Text
 from mirror_explainer.node.stop_request import StopRequest
 
-# A robot publishes its problem and its plan one after the other: judge them together.
+# A robot publishes its problem and its plan one after the other: what comes within so many seconds
+# is taken together.
 SETTLING_SECONDS = 0.1
-LONGEST_SETTLING_SECONDS = 0.5
-# One of the two may wait behind many calls: that they do not fit is believed when nothing has come
-# for so long.
+# They may come further apart, behind many calls: that a plan does not fit is believed once it has
+# not for so long.
 DOUBTFUL_SECONDS = 0.5
-# A file may be written piece by piece: read it when it has been left alone for so long.
+# A file may be written piece by piece: it is read when it has been left alone for so long, but not
+# later than that.
 FILE_SETTLING_SECONDS = 0.5
 LONGEST_FILE_SETTLING_SECONDS = 5.0
-# Inputs that always change faster than they can be worked on would stop all work for ever: once
-# work came to nothing, the next gets so long to finish in spite of newer inputs, then twice that.
-SECONDS_TO_FINISH = 1.0
-# Of works that newer inputs overtook, the second in a row is told if it brought an answer, the
-# third if it did not. A plan that does not fit may be newer, or older, than the problem that came
-# with it: it must have been the same plan three times.
-OVERTAKEN_ANSWERS = 2
-OVERTAKEN_OTHERS = 3
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class _Work:
-    """Inputs to work on, which submission they are, and what asks to stop."""
+    """Inputs to work on, the `number`-th that were submitted, and what asks to stop."""
 
     inputs: Inputs
     number: int
@@ -48,31 +40,33 @@ class _Work:
 
 
 class Updates:
-    """Turns the newest inputs into a state, in a thread of its own.
+    """Makes the newest inputs ready to answer from, in a thread of its own.
 
-    `on_state` is called from the thread when an update is done. What failed for
+    Newer inputs stop the work on older ones: at once, but if the work before it came
+    to nothing it may go on for as long as calls wait, so that inputs which never rest are
+    worked on, too. What comes of it goes to the calls that came before the newer inputs.
+
+    `on_done` is called from the thread when an update is done. What failed for
     another reason than its inputs is tried again (`retries.py`); until that is done,
-    the state stays what it is. `close` stops the work at once, closes the maker and
+    the readiness stays what it is. `close` stops the work at once, closes the maker and
     frees everyone who waits.
     """
 
-    def __init__(self, maker: Maker, on_state: Callable[[State], None]) -> None:
+    def __init__(self, maker: Maker, on_done: Callable[[Readiness], None]) -> None:
         self._maker = maker
-        self._on_state = on_state
+        self._on_done = on_done
         self._changed = threading.Condition()
-        self._state = State(Phase.WAITING, 'waiting for inputs')
+        self._current = Readiness(Phase.WAITING, 'waiting for inputs')
+        self._finished = self._current
         self._newest: Inputs | None = None
-        self._submits = 0
-        self._patience = 0.0
-        self._finished = self._state
+        self._number = 0
         self._pending = False
-        self._overtaken = 0
-        self._same_plan = 0
-        self._overtaken_plan: Text | None = None
+        self._came_to_nothing = False
+        self._patience = 0.0
+        self._doubt: tuple[Text | None, float] = (None, 0.0)
         self._retrying = False
         self._retries = Retries()
         self._settled_at = 0.0
-        self._files_settled_at = 0.0
         self._looking = threading.Lock()
         self._stop = StopRequest()
         self._closed = False
@@ -81,24 +75,19 @@ class Updates:
         self._thread.start()
 
     @property
-    def state(self) -> State:
-        """The current state."""
+    def readiness(self) -> Readiness:
+        """Where the newest inputs stand."""
         with self._changed:
-            return self._state
+            return self._current
 
     def submit(self, inputs: Inputs, patience: float) -> None:
-        """Work on these inputs, and stop what is being worked on.
-
-        `patience` is how long calls wait for an answer, in seconds: no work goes on
-        for longer than that in spite of newer inputs.
-        """
+        """Work on these inputs; `patience` is how many seconds calls wait for an answer."""
         with self._changed:
             self._patience = patience
             if self._newest is not None:
                 inputs = replace(inputs, files_revision=self._newest.files_revision)
             if inputs != self._newest:
-                self._settled_at = time.monotonic() + SETTLING_SECONDS
-                self._begin(inputs)
+                self._begin(inputs, 0.0 if self._pending else SETTLING_SECONDS)
 
     def look_at_files(self, timeout: float = -1.0) -> bool:
         """Work again if a file that was read has changed since; return whether one has.
@@ -115,46 +104,43 @@ class Updates:
                 return False
             with self._changed:
                 if files is self._maker.files and self._newest is not None:
-                    self._files_settled_at = time.monotonic() + FILE_SETTLING_SECONDS
-                    self._begin(replace(self._newest, files_revision=files.revision))
+                    newest = replace(self._newest, files_revision=files.revision)
+                    self._begin(newest, FILE_SETTLING_SECONDS)
             return True
         finally:
             self._looking.release()
 
-    def _begin(self, inputs: Inputs) -> None:
+    def _begin(self, inputs: Inputs, settling: float) -> None:
+        self._settled_at = max(self._settled_at, time.monotonic() + settling)
         self._newest = inputs
-        self._submits += 1
-        grace = 0.0
-        if self._overtaken:
-            longest = max(SECONDS_TO_FINISH, self._patience)
-            grace = min(SECONDS_TO_FINISH * 2.0 ** min(self._overtaken - 1, 10), longest)
-        self._stop.after(grace)
+        self._number += 1
         self._pending = True
-        self._state = State(Phase.WORKING, 'reading the newest inputs', inputs=inputs)
+        self._stop.after(self._patience if self._came_to_nothing else 0.0)
+        self._current = Readiness(Phase.PLANNING, 'reading the newest inputs', inputs=inputs)
         self._changed.notify_all()
 
-    def wait(self, timeout: float) -> State:
+    def wait(self, timeout: float) -> Readiness:
         """Return what came of the inputs that are the newest now, or of newer ones.
 
         What failed is tried again, unless that was done just now. After `timeout`
-        seconds return the current state.
+        seconds return where things stand.
         """
         end = time.monotonic() + timeout
         self.look_at_files(timeout)
         with self._changed:
-            newest = self._submits
-            if self._state.phase is Phase.ERROR and self._retries.due_for_a_call():
+            newest = self._number
+            if self._current.phase is Phase.ERROR and self._retries.due_for_a_call():
                 self._retrying = True
                 self._changed.notify_all()
             self._changed.wait_for(
                 lambda: self._closed or self._is_finished(newest), end - time.monotonic()
             )
             done = self._is_finished(newest) and not self._closed
-            return self._finished if done else self._state
+            return self._finished if done else self._current
 
     def _is_finished(self, number: int) -> bool:
         """Whether work on this submission, or a later one, is done, and no error tried again."""
-        may_turn_good = self._retrying and self._state.phase is Phase.ERROR
+        may_turn_good = self._retrying and self._current.phase is Phase.ERROR
         return self._finished.number >= number and not may_turn_good
 
     def close(self, timeout: float = 1.0) -> None:
@@ -173,18 +159,16 @@ class Updates:
         while (work := self._next_work()) is not None:
             began = time.monotonic()
             try:
-                state = self._maker.make(work.inputs, work.stop, self._progress)
+                outcome = self._maker.make(work.inputs, work.stop, self._tell)
             except Cancelled:
                 with self._changed:
-                    self._overtaken += 1
+                    self._came_to_nothing = True
                 continue
-            if state.blames_plan:
-                self._wait_for_the_other_half()
-            self.look_at_files()  # nothing that was half-written when read is answered from
-            state = replace(state, number=work.number)
-            if self._conclude(state, work.inputs, time.monotonic() - began):
+            took = time.monotonic() - began
+            outcome = replace(outcome, number=work.number)
+            if self._conclude(work, outcome, took):
                 try:
-                    self._on_state(state)
+                    self._on_done(outcome)
                 except Exception:  # whatever listens must not end this thread
                     _log.exception('what listens to updates failed')
 
@@ -201,23 +185,20 @@ class Updates:
         return self._settled_work()
 
     def _settled_work(self) -> _Work | None:
-        """Wait until inputs and files are left alone for a moment, but not for ever."""
-        latest = time.monotonic() + LONGEST_SETTLING_SECONDS
-        latest_for_files = time.monotonic() + LONGEST_FILE_SETTLING_SECONDS
-        looked_after = 0
+        """Wait until the inputs are together and the files left alone, but not for ever."""
+        latest = time.monotonic() + LONGEST_FILE_SETTLING_SECONDS
+        looked_at = 0
         while True:
             with self._changed:
                 now = time.monotonic()
-                settled_at = max(
-                    min(self._settled_at, latest), min(self._files_settled_at, latest_for_files)
-                )
-                if now < settled_at and not self._closed:
-                    self._changed.wait(settled_at - now)
+                wait = min(self._settled_at, latest) - now
+                if wait > 0.0 and not self._closed:
+                    self._changed.wait(wait)
                     continue
-                if looked_after == self._submits or now >= latest_for_files or self._closed:
+                if looked_at == self._number or now >= latest or self._closed:
                     self._maker.forget_files()
                     return self._work()
-                looked_after = self._submits
+                looked_at = self._number
             self.look_at_files()
 
     def _work(self) -> _Work | None:
@@ -225,56 +206,46 @@ class Updates:
             return None
         self._pending = False
         self._stop = StopRequest()
-        return _Work(self._newest, self._submits, self._stop)
+        return _Work(self._newest, self._number, self._stop)
 
-    def _wait_for_the_other_half(self) -> None:
-        """Wait for a problem, or a plan, that was published together with the last input."""
+    def _tell(self, done: int, beliefs: int) -> None:
+        """Say how far the planning is."""
         with self._changed:
-            believed_at = self._settled_at - SETTLING_SECONDS + DOUBTFUL_SECONDS
-            self._changed.wait_for(
-                lambda: self._closed or self._pending, believed_at - time.monotonic()
-            )
+            if not self._pending and self._current.phase is Phase.PLANNING:
+                self._current = replace(self._current, message=f'planning {done} of {beliefs}')
 
-    def _conclude(self, state: State, inputs: Inputs, took: float) -> bool:
-        """Make known what came of these inputs after so many seconds; say whether it is news.
-
-        What newer inputs have overtaken is mostly of no use any more. But if it goes on like
-        that, it goes to the calls that came before the newer inputs.
-        """
+    def _conclude(self, work: _Work, outcome: Readiness, took: float) -> bool:
+        """Make known what came of work that took so many seconds; say whether it is news."""
+        believed = self._is_believed(outcome)
+        self.look_at_files()  # nothing that was half-written when read is answered from
         with self._changed:
             if self._closed or self._newest is None:
                 return False
-            is_news = True
-            if self._pending:
-                self._overtaken += 1
-                self._same_plan = 1 + self._same_plan * (inputs.plan == self._overtaken_plan)
-                self._overtaken_plan = inputs.plan
-                count = self._same_plan if state.blames_plan else self._overtaken
-                enough = OVERTAKEN_OTHERS if state.preparation is None else OVERTAKEN_ANSWERS
-                same_files = self._newest.files_revision == inputs.files_revision
-                if count < enough or not same_files:
-                    return False
-            else:
-                is_news = not _is_no_better(state, self._state)
-                self._state = state = state if is_news else self._state
-            self._overtaken = self._same_plan = 0
-            self._finished = state
-            self._retries = self._retries.after_failure(took) if state.may_pass else Retries()
+            same_files = self._newest.files_revision == work.inputs.files_revision
+            self._came_to_nothing = not (believed and same_files)
+            if self._came_to_nothing:
+                return False
+            is_news = self._pending or not outcome.is_no_better_than(self._current)
+            if not is_news:
+                outcome = self._current
+            elif not self._pending:
+                self._current = outcome
+            self._finished = outcome
+            self._retries = self._retries.after_failure(took) if outcome.may_pass else Retries()
             self._retrying = False
             self._changed.notify_all()
             return is_news
 
-    def _progress(self, done: int, beliefs: int) -> None:
+    def _is_believed(self, outcome: Readiness) -> bool:
+        """Say whether the plan is not to blame, or for long enough; wait while nothing comes."""
+        plan = outcome.inputs.plan if outcome.blames_plan else None
         with self._changed:
-            if not self._pending and self._state.phase is Phase.WORKING:
-                message = f'planning {done} of {beliefs}'
-                self._state = replace(self._state, message=message)
-
-
-def _is_no_better(new: State, now: State) -> bool:
-    """Whether another attempt changed nothing: the same error, or no fewer beliefs that failed."""
-    if now.preparation is None:
-        return new.phase is Phase.ERROR and new.message == now.message
-    if new.preparation is None:
-        return new.may_pass
-    return new.preparation.failed_beliefs >= now.preparation.failed_beliefs
+            if self._doubt[0] != plan:
+                self._doubt = plan, time.monotonic()
+            if plan is None:
+                return True
+            believed_at = self._doubt[1] + DOUBTFUL_SECONDS
+            self._changed.wait_for(
+                lambda: self._closed or self._pending, believed_at - time.monotonic()
+            )
+            return time.monotonic() >= believed_at

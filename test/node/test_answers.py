@@ -15,8 +15,9 @@ from mirror_explainer.listener.user_model import CandidateGoal
 from mirror_explainer.node import answers as module
 from mirror_explainer.node.answers import Answers
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Status
+from mirror_explainer.settings import Question
 
-ONE = {'strategy': 'informative', 'n': 1, 'threshold': 0.0, 'selection_budget': None}
+ONE = Question(n=1)
 GOALS = (CandidateGoal('fetch', '(fetched)', 0.5), CandidateGoal('leave', '(left)', 0.5))
 SPACE = BeliefSpace('', '', tuple(goal.goal for goal in GOALS))
 

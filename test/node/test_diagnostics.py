@@ -17,20 +17,21 @@ from mirror_explainer.explainer import Explanation, Preparation, explain, prepar
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.diagnostics import Diagnosis, Level, diagnose
 from mirror_explainer.node.history import History, news
+from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.moment import Moment
-from mirror_explainer.node.state import Inputs, Phase, State, Text
+from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Surroundings, look_around, package_version
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
 
-WAITING = State(
+WAITING = Readiness(
     Phase.WAITING,
     'waiting for plan (topic)',
     cure='Start the robot.',
     inputs=Inputs(problem=Text('(define (problem p))', '/problem')),
 )
-WORKING = State(Phase.WORKING, 'planning 3 of 30')
-WRONG = State(Phase.ERROR, '/plan, line 1: no action "fly"', cure='Publish another plan.')
+WORKING = Readiness(Phase.PLANNING, 'planning 3 of 30')
+WRONG = Readiness(Phase.ERROR, '/plan, line 1: no action "fly"', cure='Publish another plan.')
 PUBLISHED = {'problem': 1, 'plan': 1}
 
 
@@ -47,14 +48,14 @@ def prepared(task: Task, warehouse: Path, planner: Planner, max_beliefs: int) ->
 
 
 @pytest.fixture(scope='module')
-def ready(planner: Planner) -> State:
+def ready(planner: Planner) -> Readiness:
     task = read_task(*((WAREHOUSE / f'{name}.pddl').read_text() for name in ('domain', 'problem')))
-    return State(Phase.READY, 'ready', prepared(task, WAREHOUSE, planner, 1024))
+    return Readiness(Phase.READY, 'ready', prepared(task, WAREHOUSE, planner, 1024))
 
 
 def seen(
-    *outcomes: State,
-    now: State | None = None,
+    *outcomes: Readiness,
+    now: Readiness | None = None,
     inputs: Inputs | None = None,
     surroundings: Surroundings | None = None,
     answer: Explanation | None = None,
@@ -72,7 +73,7 @@ def seen(
     )
 
 
-def test_a_ready_explainer_is_ok_and_nothing_is_to_be_done(ready: State) -> None:
+def test_a_ready_explainer_is_ok_and_nothing_is_to_be_done(ready: Readiness) -> None:
     diagnosis = seen(WAITING, ready)
 
     assert (diagnosis.level, diagnosis.message) == (Level.OK, 'ready')
@@ -93,7 +94,7 @@ def test_an_error_is_told_with_its_cure_and_when_it_was() -> None:
     assert diagnosis.values['last error still so'] == 'yes'
 
 
-def test_an_error_that_is_over_is_remembered_as_over(ready: State) -> None:
+def test_an_error_that_is_over_is_remembered_as_over(ready: Readiness) -> None:
     diagnosis = seen(WRONG, ready)
 
     assert diagnosis.level is Level.OK
@@ -136,7 +137,7 @@ def test_what_is_published_and_does_not_arrive_has_another_cure() -> None:
     ids=['waiting', 'error'],
 )
 def test_while_an_update_is_worked_on_things_are_as_bad_as_before(
-    outcome: State, level: Level, message: str, cure: str
+    outcome: Readiness, level: Level, message: str, cure: str
 ) -> None:
     diagnosis = seen(outcome, now=WORKING)
 
@@ -145,11 +146,11 @@ def test_while_an_update_is_worked_on_things_are_as_bad_as_before(
     assert diagnosis.values['state'] == 'planning'
 
 
-def test_replanning_is_ok_where_the_last_plan_could_be_explained(ready: State) -> None:
+def test_replanning_is_ok_where_the_last_plan_could_be_explained(ready: Readiness) -> None:
     assert seen(ready, now=WORKING).level is Level.OK
 
 
-def test_updates_that_end_alike_do_not_change_since_when_it_is_so(ready: State) -> None:
+def test_updates_that_end_alike_do_not_change_since_when_it_is_so(ready: Readiness) -> None:
     first = replace(ready, since=Moment(steady=time.monotonic() - 1000.0))
     another = replace(WRONG, message='another', since=Moment(steady=time.monotonic() - 10.0))
 
@@ -161,7 +162,7 @@ def test_updates_that_end_alike_do_not_change_since_when_it_is_so(ready: State) 
     assert 10 <= int(not_ready.values['seconds in this state']) < 1000
 
 
-def test_a_robot_that_fell_silent_is_a_warning(ready: State) -> None:
+def test_a_robot_that_fell_silent_is_a_warning(ready: Readiness) -> None:
     diagnosis = seen(ready, surroundings=Surroundings(publishers={'problem': 1, 'plan': 0}))
 
     assert diagnosis.level is Level.WARN
@@ -175,7 +176,7 @@ def test_an_explanation_without_all_beliefs_is_a_warning(
 ) -> None:
     some = prepared(task, warehouse, planner, max_beliefs=10)
 
-    diagnosis = seen(State(Phase.READY, 'ready', some))
+    diagnosis = seen(Readiness(Phase.READY, 'ready', some))
 
     assert diagnosis.level is Level.WARN
     assert 'not for all beliefs' in diagnosis.message
@@ -184,7 +185,7 @@ def test_an_explanation_without_all_beliefs_is_a_warning(
     assert float(diagnosis.values['covered mass']) == pytest.approx(10 / 30, abs=1e-6)
 
 
-def test_each_input_is_shown_with_its_source_and_age(ready: State, tmp_path: Path) -> None:
+def test_each_input_is_shown_with_its_source_and_age(ready: Readiness, tmp_path: Path) -> None:
     user_model = tmp_path / 'user.yaml'
     user_model.write_text('goals: []\n')
     os.utime(user_model, (time.time() - 500, time.time() - 500))
@@ -215,16 +216,16 @@ def test_a_message_heard_at_another_time_is_the_same_message() -> None:
 
 
 def test_values_are_short_and_on_one_line() -> None:
-    state = replace(WRONG, message='line 1: wrong;\n' * 1000)
+    wrong = replace(WRONG, message='line 1: wrong;\n' * 1000)
 
-    diagnosis = seen(state)
+    diagnosis = seen(wrong)
 
     for text in (diagnosis.message, *diagnosis.values.values()):
         assert len(text) < 600
         assert '\n' not in text
 
 
-def test_calls_are_counted(ready: State) -> None:
+def test_calls_are_counted(ready: Readiness) -> None:
     history = History().after_call(True, 0.25).after_call(False, 1.5).after_call(True, 0.5)
 
     values = diagnose(ready, history, Inputs(), Surroundings()).values
@@ -248,7 +249,7 @@ def test_the_memory_of_the_processes_that_plan_is_counted() -> None:
     assert during.version == package_version()
 
 
-def test_the_handbook_lists_every_value_and_no_other(ready: State, warehouse: Path) -> None:
+def test_the_handbook_lists_every_value_and_no_other(ready: Readiness, warehouse: Path) -> None:
     assert ready.preparation is not None
     answer = explain(ready.preparation)
     history = History().after_update(WRONG).after_update(ready).after_call(True, 0.1)
@@ -273,11 +274,11 @@ def test_the_handbook_lists_every_value_and_no_other(ready: State, warehouse: Pa
     assert sorted(listed) == sorted(values)
 
 
-def levels(before: State, now: State) -> list[int]:
+def levels(before: Readiness, now: Readiness) -> list[int]:
     return [level for level, _ in news(before, now)]
 
 
-def test_that_the_next_plan_can_be_explained_too_is_no_news(ready: State) -> None:
+def test_that_the_next_plan_can_be_explained_too_is_no_news(ready: Readiness) -> None:
     assert max(levels(WAITING, ready)) == logging.INFO
     assert max(levels(ready, ready)) == logging.DEBUG
     assert max(levels(WRONG, ready)) == logging.INFO
@@ -287,7 +288,7 @@ def test_an_error_is_logged_with_its_cure() -> None:
     assert list(news(WAITING, WRONG)) == [(logging.ERROR, f'{WRONG.message}. {WRONG.cure}')]
 
 
-def test_a_warning_that_stays_is_logged_once(ready: State) -> None:
+def test_a_warning_that_stays_is_logged_once(ready: Readiness) -> None:
     assert ready.preparation is not None
     model = replace(ready.preparation.model, warnings=('one',))
     warned = replace(ready, preparation=replace(ready.preparation, model=model))

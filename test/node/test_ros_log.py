@@ -4,7 +4,8 @@ import logging
 
 import pytest
 
-from mirror_explainer.node.ros_log import MOST_NEWS, NEWS_PERIOD, QUIET, Repetitions, RosLog
+from mirror_explainer.node import ros_log as module
+from mirror_explainer.node.ros_log import MOST_LINES, RosLog
 
 
 class Lines:
@@ -56,11 +57,11 @@ def test_debug_lines_are_all_logged(log: logging.Logger, lines: Lines) -> None:
 
 
 def test_many_warnings_hide_no_error(log: logging.Logger, lines: Lines) -> None:
-    for number in range(10 * MOST_NEWS):
+    for number in range(10 * MOST_LINES):
         log.warning('warning %d', number)
     log.error('bad plan')
 
-    assert len(lines.lines) == MOST_NEWS + 1
+    assert len(lines.lines) == MOST_LINES + 1
     assert lines.lines[-1] == ('error', 'bad plan')
 
 
@@ -79,40 +80,43 @@ def test_a_traceback_is_logged_and_what_no_terminal_can_show_is_not(
     assert '\x1b' not in line
 
 
-def test_repetitions_are_counted_at_intervals_that_double() -> None:
-    repetitions = Repetitions()
-    told = []
-    assert repetitions.is_news('bad plan', 0.0)
-    for tick in range(1, 351):  # ten a second
-        assert not repetitions.is_news('bad plan', tick / 10)
-        told += [(tick / 10, line) for line in repetitions.due(tick / 10)]
+def test_what_keeps_coming_is_counted_and_what_was_silent_is_news_again(
+    monkeypatch: pytest.MonkeyPatch, lines: Lines
+) -> None:
+    handler = RosLog(lines)
+    log = logging.Logger('of this test')
+    log.addHandler(handler)
+    for _ in range(14):
+        log.error('bad plan')
+    log.error('bad problem')
+    handler.tell_counts()  # it is not time yet
+    monkeypatch.setattr(module, 'PERIOD', 0.0)
+    handler.tell_counts()
+    log.error('bad plan')
+    log.error('bad problem')
+    handler.tell_counts()
 
-    # After 10 s, and then after 20 s more; the next would be due at 70 s.
-    assert told == [
-        (10.0, 'in the last 10 s 100 more like this: bad plan'),
-        (30.0, 'in the last 20 s 200 more like this: bad plan'),
+    assert [line for _, line in lines.lines] == [
+        'bad plan',
+        'bad problem',
+        'in the last 0 s 13 more: bad plan',
+        'bad problem',
+        'in the last 0 s 1 more: bad plan',
     ]
 
 
-def test_a_line_that_was_silent_is_news_again_and_what_was_counted_is_told() -> None:
-    repetitions = Repetitions()
-    repetitions.is_news('bad plan', 0.0)
-    repetitions.is_news('bad plan', 1.0)
+def test_of_very_many_different_lines_the_rest_is_counted(
+    monkeypatch: pytest.MonkeyPatch, log: logging.Logger, lines: Lines
+) -> None:
+    for number in range(100):
+        log.error('bad plan %d', number)
+    monkeypatch.setattr(module, 'PERIOD', 0.0)
+    log.handlers[0].tell_counts()  # type: ignore[attr-defined]
+    log.error('bad plan 100')
 
-    told = [*repetitions.due(1.0 + QUIET + 1.0)]
-
-    assert told == ['in the last 12 s 1 more like this: bad plan']
-    assert repetitions.is_news('bad plan', 20.0)
-    assert not list(repetitions.due(100.0))
-
-
-def test_of_very_many_different_lines_the_rest_is_counted_and_the_last_one_told() -> None:
-    repetitions = Repetitions()
-    logged = [n for n in range(100) if repetitions.is_news(f'bad plan {n}', n / 100)]
-
-    # The first that was left out came at 0.2 s, the last at 0.99 s.
-    assert len(logged) == MOST_NEWS == 20
-    assert list(repetitions.due(10.2)) == [
-        'in the last 10 s 80 more of other kinds, the last one: bad plan 99'
+    told = [line for _, line in lines.lines]
+    assert told[MOST_LINES - 1 :] == [
+        'bad plan 19',
+        'in the last 0 s 80 more: others',
+        'bad plan 100',
     ]
-    assert repetitions.is_news('bad plan 100', 1.0 + NEWS_PERIOD)

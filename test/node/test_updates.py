@@ -10,22 +10,24 @@ from types import SimpleNamespace
 import pytest
 from patience import PATIENCE, eventually
 
+from mirror_explainer.errors import Cancelled
 from mirror_explainer.node import updates as module
-from mirror_explainer.node.state import Inputs, Phase, State, Text
+from mirror_explainer.node.inputs import Inputs, Text
+from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.text_files import TextFiles
 
-READY = State(Phase.READY, 'ready', preparation='an answer')
-BAD = State(Phase.ERROR, 'bad plan', blamed='/plan')
-NO_MODEL = State(Phase.ERROR, 'no such file', blamed='user_model.yaml')
-BROKEN = State(Phase.ERROR, 'the planner is broken', may_pass=True)
+READY = Readiness(Phase.READY, 'ready', preparation='an answer')
+BAD = Readiness(Phase.ERROR, 'bad plan', blamed='/plan')
+NO_MODEL = Readiness(Phase.ERROR, 'no such file', blamed='user_model.yaml')
+BROKEN = Readiness(Phase.ERROR, 'the planner is broken', may_pass=True)
 
 
 class PlayedMaker:
-    """Makes states with a function of the inputs, and notes the inputs that came."""
+    """Makes what comes of inputs with a function of the inputs, and notes the inputs that came."""
 
-    def __init__(self, make: Callable[[Inputs, StopRequest], State]) -> None:
+    def __init__(self, make: Callable[[Inputs, StopRequest], Readiness]) -> None:
         self.files = TextFiles()
         self.made: list[Inputs] = []
         self.closed = False
@@ -37,7 +39,7 @@ class PlayedMaker:
     def forget_files(self) -> None:
         self.files = TextFiles()
 
-    def make(self, inputs: Inputs, stop: StopRequest, progress: object) -> State:
+    def make(self, inputs: Inputs, stop: StopRequest, progress: object) -> Readiness:
         self.made.append(inputs)
         return replace(self._make(inputs, stop), inputs=inputs)
 
@@ -48,9 +50,9 @@ class PlayedMaker:
 class Robot:
     """Submits one plan after the other, and hears what comes of them."""
 
-    def __init__(self, make: Callable[[Inputs, StopRequest], State]) -> None:
+    def __init__(self, make: Callable[[Inputs, StopRequest], Readiness]) -> None:
         self.maker = PlayedMaker(make)
-        self.told: list[State] = []
+        self.told: list[Readiness] = []
         self.updates = Updates(self.maker, self.told.append)
         self._ended = threading.Event()
         self._stream: threading.Thread | None = None
@@ -81,8 +83,8 @@ class Robot:
 
     def phases_told(self, count: int) -> list[Phase]:
         """Return what was told, once it is so much: calls are answered a moment before."""
-        eventually(lambda: len(self.told) >= count, f'{count} states told')
-        return [state.phase for state in self.told]
+        eventually(lambda: len(self.told) >= count, f'{count} updates told')
+        return [told.phase for told in self.told]
 
     def close(self) -> None:
         self._ended.set()
@@ -96,7 +98,7 @@ def played() -> Iterator[Callable[..., Robot]]:
     """Return a function that makes a robot whose updates are played by a function."""
     robots: list[Robot] = []
 
-    def make(work: Callable[[Inputs, StopRequest], State]) -> Robot:
+    def make(work: Callable[[Inputs, StopRequest], Readiness]) -> Robot:
         robots.append(Robot(work))
         return robots[-1]
 
@@ -105,7 +107,7 @@ def played() -> Iterator[Callable[..., Robot]]:
         robot.close()
 
 
-def until_stopped(inputs: Inputs, stop: StopRequest) -> State:
+def until_stopped(inputs: Inputs, stop: StopRequest) -> Readiness:
     """Work that ends only when it is to stop."""
     while True:
         stop.check()
@@ -118,7 +120,7 @@ def until_stopped(inputs: Inputs, stop: StopRequest) -> State:
         (READY, 'plan {}'),
         (BAD, 'the same plan'),
         (NO_MODEL, 'plan {}'),
-        (State(Phase.WAITING, 'no plan'), ''),
+        (Readiness(Phase.WAITING, 'no plan'), ''),
     ],
 )
 @pytest.mark.parametrize('period', [0.01, 0.05])
@@ -132,7 +134,7 @@ def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(
     heard = robot.updates.wait(PATIENCE)
 
     assert heard.message == outcome.message
-    assert [state.message for state in robot.told][:1] in ([], [outcome.message])
+    assert [told.message for told in robot.told][:1] in ([], [outcome.message])
 
 
 def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_rest(
@@ -145,7 +147,7 @@ def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_r
 
     while len(robot.maker.made) < 5:
         heard = robot.updates.wait(0.1)
-        assert heard.phase is Phase.WORKING
+        assert heard.phase is Phase.PLANNING
 
     assert robot.told == []
 
@@ -177,20 +179,39 @@ def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
     assert robot.told[0].inputs.plan.text == 'new'
 
 
-def test_no_work_goes_on_for_longer_than_calls_wait(monkeypatch, played):
-    graces = []
-    monkeypatch.setattr(StopRequest, 'after', lambda stop, seconds: graces.append(seconds))
+def test_after_work_that_came_to_nothing_the_next_may_go_on_for_as_long_as_calls_wait(
+    monkeypatch, played
+):
+    asked: list[float] = []
+    monkeypatch.setattr(StopRequest, 'after', lambda stop, seconds: asked.append(seconds))
     goes_on = threading.Event()
-    robot = played(lambda inputs, stop: goes_on.wait(PATIENCE) and READY)
-    robot.submit('plan')
+    comes_to_nothing = [True, False]
+
+    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
+        goes_on.wait(PATIENCE)
+        goes_on.clear()
+        if comes_to_nothing.pop(0):
+            raise Cancelled
+        return READY
+
+    robot = played(work)
+    robot.submit('first')
     robot.wait_for_work()
-    for overtaken in range(1, 12):
-        robot.updates._overtaken = overtaken
-        robot.submit(f'plan {overtaken}')
+    robot.submit('second')
+    goes_on.set()
+    eventually(lambda: len(robot.maker.made) == 2, 'the second work')
+    robot.submit('third')
+    comes_to_nothing.append(False)
+    goes_on.set()
+    eventually(lambda: len(robot.maker.made) == 3, 'the third work')
+    robot.submit('fourth')
+    comes_to_nothing.append(False)
+    goes_on.set()
+    eventually(lambda: len(robot.maker.made) == 4, 'the fourth work')
     goes_on.set()
 
-    assert graces[:5] == [0.0, 1.0, 2.0, 4.0, 5.0]
-    assert max(graces) == 5.0
+    # The first submission finds no work; the second comes during the first work, and so on.
+    assert asked[1:4] == [0.0, 5.0, 0.0]
 
 
 def test_a_file_is_read_once_it_has_been_left_alone(monkeypatch, played, tmp_path: Path):
@@ -251,11 +272,11 @@ def test_a_listener_that_fails_changes_nothing(played):
     robot = played(lambda inputs, stop: READY)
     failed = []
 
-    def fail(state: State) -> None:
-        failed.append(state)
+    def fail(outcome: Readiness) -> None:
+        failed.append(outcome)
         raise RuntimeError('the listener is broken')
 
-    robot.updates._on_state = fail
+    robot.updates._on_done = fail
     robot.submit('one')
     first = robot.updates.wait(PATIENCE)
     robot.submit('two')
@@ -291,16 +312,18 @@ def test_another_attempt_replaces_an_answer_only_if_it_knows_more(monkeypatch, p
     monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 0.01)
     failures = [1, then]
 
-    def work(inputs: Inputs, stop: StopRequest) -> State:
+    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
         failed = failures[min(len(robot.maker.made), 2) - 1]
         answer = SimpleNamespace(failed_beliefs=failed)
-        return State(Phase.READY, 'ready', answer, may_pass=failed > 0)
+        return Readiness(Phase.READY, 'ready', answer, may_pass=failed > 0)
 
     robot = played(work)
     robot.submit('plan')
     robot.updates.wait(PATIENCE)
     eventually(lambda: len(robot.maker.made) > 2 - (then == 0), 'another attempt')
-    eventually(lambda: robot.updates.state.preparation.failed_beliefs == kept, 'the better one')
+    eventually(
+        lambda: robot.updates.readiness.preparation.failed_beliefs == kept, 'the better one'
+    )
 
     assert robot.updates.wait(PATIENCE).preparation.failed_beliefs == kept
     assert len(robot.phases_told(1)) == 1 + (kept == 0)
@@ -316,5 +339,5 @@ def test_closing_frees_who_waits_and_closes_the_maker(played):
     robot.updates.close()
     waiting.join(PATIENCE)
 
-    assert heard[0].phase is Phase.WORKING
+    assert heard[0].phase is Phase.PLANNING
     assert robot.maker.closed

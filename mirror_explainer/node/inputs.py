@@ -1,14 +1,39 @@
-"""What an explanation is made from, and where its making stands."""
+"""What an explanation is made from: texts from the robot, files, and what the parameters say."""
 
 import hashlib
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import cached_property
 
-from mirror_explainer.explainer import Preparation
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.node.moment import Moment
-from mirror_explainer.settings import PlanningSettings
+from mirror_explainer.settings import PlanningSettings, Question, setting
+
+# The topics that are heard.
+TOPICS = ('domain', 'problem', 'plan')
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """What the node may be told beside planning, answering and limits."""
+
+    domain_file: str = setting(
+        '', 'PDDL domain; a message on "domain" replaces it', fixed=True, metavar='FILE'
+    )
+    user_model_file: str = setting('', 'YAML: what the listener may believe', metavar='FILE')
+    remember: bool = setting(False, 'whether each answer conditions the next')
+    answer_timeout: float = setting(
+        5.0, 's, that a call waits for an update', least=0.0, most=1e6, metavar='S'
+    )
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """All that a running explainer may be told."""
+
+    node: NodeSettings = field(default_factory=NodeSettings)
+    question: Question = field(default_factory=Question)
+    planning: PlanningSettings = field(default_factory=PlanningSettings)
+    limits: InputLimits = field(default_factory=InputLimits)
 
 
 @dataclass(frozen=True)
@@ -34,9 +59,7 @@ class Inputs:
     plan: Text | None = None
     user_model_file: str = ''
     files_revision: object = None
-    max_beliefs: int = PlanningSettings.max_beliefs
-    plans_per_belief: int = PlanningSettings.plans_per_belief
-    deadline: float | None = None
+    planning: PlanningSettings = field(default_factory=PlanningSettings)
     limits: InputLimits = field(default_factory=InputLimits)
 
     @property
@@ -54,38 +77,3 @@ class Inputs:
     def digest(self) -> str:
         """A short text that is the same for equal inputs, also in another process."""
         return hashlib.blake2b(repr(self).encode(), digest_size=8).hexdigest()
-
-
-class Phase(Enum):
-    """What the updates are doing."""
-
-    WAITING = 'waiting'
-    WORKING = 'planning'
-    READY = 'ready'
-    ERROR = 'error'
-
-
-@dataclass(frozen=True)
-class State:
-    """Where things stand: `message` says it in words, `preparation` is there when READY.
-
-    `inputs` are those that it is about, the `number`-th that were submitted; `cure` says
-    what a person can do about it. `since` is when it came to be so. `blamed` is the file or
-    topic of a wrong input; `may_pass` says that the inputs are not to blame, so that another
-    attempt may go better.
-    """
-
-    phase: Phase
-    message: str
-    preparation: Preparation | None = None
-    inputs: Inputs = field(default_factory=Inputs)
-    cure: str = ''
-    since: Moment = field(default_factory=Moment)
-    blamed: str = ''
-    may_pass: bool = False
-    number: int = 0
-
-    @property
-    def blames_plan(self) -> bool:
-        """Whether the plan is wrong, by itself or for the problem that came with it."""
-        return self.inputs.plan is not None and self.blamed == self.inputs.plan.source

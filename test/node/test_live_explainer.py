@@ -1,0 +1,289 @@
+"""The explainer under the node, driven without ROS: real planner, real texts, no middleware."""
+
+import json
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sliding_tiles
+from conftest import WAREHOUSE
+from patience import PATIENCE, eventually
+
+from mirror_explainer.node import live_explainer as module
+from mirror_explainer.node.diagnostics import Level
+from mirror_explainer.node.inputs import Configuration, Text
+from mirror_explainer.node.live_explainer import LiveExplainer
+
+DOMAIN, PROBLEM, PLAN = (
+    (WAREHOUSE / name).read_text() for name in ('domain.pddl', 'problem.pddl', 'plan.txt')
+)
+USER_MODEL = str(WAREHOUSE / 'user_model.yaml')
+THREE_SENTENCES = (
+    'I will grab a blue cube.\nI will grab a red circle.\nI will exit from the bottom door.'
+)
+
+
+class Operator:
+    """Stands between a live explainer and a test: publishes, asks, sets, and keeps the answers."""
+
+    def __init__(self, **settings: object) -> None:
+        self.published: list[tuple[str, str]] = []
+        self.configuration = self._with(Configuration(), answer_timeout=PATIENCE, **settings)
+        self.explainer = LiveExplainer(self.configuration, self._publish)
+
+    def _publish(self, text: str, report: str) -> None:
+        self.published.append((text, report))
+
+    @staticmethod
+    def _with(configuration: Configuration, **settings: object) -> Configuration:
+        changes: dict[str, Any] = {}
+        for name, value in settings.items():
+            part = next(p for p in vars(configuration) if hasattr(getattr(configuration, p), name))
+            changes[part] = replace(
+                changes.get(part, getattr(configuration, part)), **{name: value}
+            )
+        return replace(configuration, **changes)
+
+    def set(self, **settings: object) -> None:
+        """Set parameters by their names."""
+        self.configuration = self._with(self.configuration, **settings)
+        self.explainer.configure(self.configuration)
+
+    def publish(self, **texts: str) -> None:
+        """Publish texts, each on the topic of its name."""
+        for name, text in texts.items():
+            self.explainer.hear(name, Text(text, f'/{name}'))
+
+    def answer(self) -> str:
+        """Ask, and return the answer."""
+        reply = self.explainer.ask()
+        assert reply.success, reply.message
+        return reply.message
+
+    def refusal(self) -> str:
+        """Ask, and return why there is no answer."""
+        reply = self.explainer.ask()
+        assert not reply.success, reply.message
+        return reply.message
+
+
+@pytest.fixture
+def operator() -> Iterator[Callable[..., Operator]]:
+    """Return a function that starts an explainer with these parameters."""
+    operators: list[Operator] = []
+
+    def start(**settings: object) -> Operator:
+        operators.append(Operator(**settings))
+        return operators[-1]
+
+    yield start
+    for operator in operators:
+        operator.explainer.close()
+
+
+@pytest.fixture(scope='module')
+def shared() -> Iterator[Operator]:
+    """One explainer for all tests that leave it as it was."""
+    operator = Operator(user_model_file=USER_MODEL)
+    yield operator
+    operator.explainer.close()
+
+
+@pytest.fixture
+def served(shared: Operator) -> Iterator[Operator]:
+    """The shared explainer with the warehouse's task; afterwards it is as before."""
+    before = shared.configuration
+    shared.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
+    yield shared
+    shared.configuration = before
+    shared.explainer.configure(before)
+    shared.explainer.forget()
+
+
+def test_what_is_missing_is_said_until_all_has_been_heard(operator) -> None:
+    robot = operator()
+    nothing = robot.refusal()
+    robot.publish(plan=PROBLEM)
+    mixed_up = robot.refusal()
+    robot.publish(domain=DOMAIN, plan=PLAN)
+    rest = robot.refusal()
+    robot.set(user_model_file=USER_MODEL)
+    robot.publish(problem=PROBLEM)
+
+    assert all(word in nothing for word in ('domain', 'problem', 'plan', 'user_model_file'))
+    assert mixed_up.startswith(
+        '/plan, line 1: this is a PDDL definition, but a plan is expected here'
+    )
+    assert rest == 'waiting for problem (topic), user model (parameter user_model_file)'
+    assert robot.answer() == THREE_SENTENCES
+
+
+def test_the_domain_may_come_from_a_file_and_a_message_replaces_it(operator) -> None:
+    robot = operator(domain_file=str(WAREHOUSE / 'domain.pddl'), user_model_file=USER_MODEL)
+    robot.publish(problem=PROBLEM, plan=PLAN)
+    from_file = robot.answer()
+    robot.publish(domain='(define (domain other))')
+
+    assert from_file == THREE_SENTENCES
+    assert 'the domain given is "other"' in robot.refusal()
+
+
+def test_each_answer_is_published_with_its_report(served) -> None:
+    answer = served.answer()
+    text, report = served.published[-1]
+
+    assert text == answer
+    assert json.loads(report)['sentences'] == answer.split('\n')
+    assert 'hypotheses' not in json.loads(report)
+
+
+def test_settings_act_at_once(served, tmp_path: Path) -> None:
+    served.set(n=1)
+    one = served.answer()
+    served.set(n=2, strategy='decreasing')
+    last_two = served.answer()
+    served.set(user_model_file=str(tmp_path / 'nowhere.yaml'))
+    without_model = served.refusal()
+    served.set(user_model_file=USER_MODEL, n=3, strategy='informative')
+
+    assert one == 'I will exit from the bottom door.'
+    assert last_two == 'I will navigate to the right corridor.\nI will exit from the bottom door.'
+    assert 'nowhere.yaml: the file cannot be read' in without_model
+    assert served.answer() == THREE_SENTENCES
+
+
+def test_limits_that_are_lowered_hold_for_what_was_read_before_too(served) -> None:
+    served.answer()
+    served.set(max_objects=5)
+
+    assert 'max_objects allows (now 5)' in served.refusal()
+
+
+def test_with_remember_asking_again_tells_more_until_it_is_forgotten(served) -> None:
+    served.set(remember=True, n=2)
+    first = served.answer().split('\n')
+    second = served.answer().split('\n')
+    forgotten = served.explainer.forget()
+
+    assert not set(first) & set(second)
+    assert forgotten == 4
+    assert served.answer().split('\n') == first
+
+
+BAD_INPUTS = {
+    'PDDL that does not parse': ('problem', PROBLEM[:-40], '/problem'),
+    'a plan for another problem': ('plan', '(fly a b)', '/plan, line 1: the domain has no action'),
+    'an unknown object': ('plan', '(move left mars)', 'no object "mars"'),
+    'a first action that fails': ('plan', '(grab red_cube red_room)', '(robot-at red_room)'),
+    'a plan that stops early': ('plan', '(move left center)', 'does not reach the goal'),
+    'a problem on the plan topic': ('plan', PROBLEM, 'a plan is expected here'),
+    'a plan on the problem topic': ('problem', PLAN, 'must begin with (define (problem'),
+    'a domain on the problem topic': ('problem', DOMAIN, 'a problem is expected here'),
+    'an empty problem': ('problem', '', 'the text is empty'),
+    'an empty plan': ('plan', '', 'no current plan'),
+    'an empty domain': ('domain', ' \n', 'the text is empty'),
+    'noise': ('plan', 'x y\n' * 100_000, '/plan, line 1: this is no action'),
+    'noise in place of PDDL': ('problem', '\x7f(§' * 100_000, '/problem'),
+    'too much noise': (
+        'plan',
+        'x y\n' * 5_000_000,
+        '/plan: its bytes (20000000) are more than max_',
+    ),
+}
+
+
+@pytest.mark.parametrize('what', BAD_INPUTS)
+def test_bad_input_is_told_by_calls_and_diagnostics_until_good_input_comes(
+    served, what: str
+) -> None:
+    topic, text, expected = BAD_INPUTS[what]
+    served.publish(**{topic: text})
+    reason = served.refusal()
+    diagnosis = served.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+    served.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
+
+    assert expected in reason
+    assert '\n' not in reason
+    assert diagnosis.message == reason
+    assert diagnosis.level is (Level.WARN if what == 'an empty plan' else Level.ERROR)
+    assert served.answer() == THREE_SENTENCES
+    healed = served.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+    assert (healed.level, healed.message) == (Level.OK, 'ready')
+
+
+def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(
+    served, tmp_path: Path
+) -> None:
+    user_model = tmp_path / 'user_model.yaml'
+    user_model.write_text('goals:\n  - goal: (holding nothing)\n  - goal: (outside red_cube)\n')
+    served.set(user_model_file=str(user_model))
+    reason = served.refusal()
+    user_model.write_text(Path(USER_MODEL).read_text())
+
+    assert '2 faults' in reason
+    assert 'line 2' in reason
+    assert 'line 3' in reason
+    assert served.answer() == THREE_SENTENCES
+
+
+def test_an_internal_error_is_a_refusal_and_ends_nothing(monkeypatch, served) -> None:
+    served.answer()
+
+    def fail(*arguments: object) -> None:
+        raise RuntimeError('something is \x1b[31m broken')
+
+    with monkeypatch.context() as patched:
+        patched.setattr(module.Answers, 'give', fail)
+        refusal = served.refusal()
+
+    assert refusal.startswith('internal error, please report it: RuntimeError(')
+    assert '\x1b' not in refusal
+    assert served.answer() == THREE_SENTENCES
+
+
+@pytest.fixture
+def puzzled(operator, tmp_path: Path) -> Operator:
+    """An explainer of the 15-puzzle, patient enough to plan for the whole test."""
+    user_model = tmp_path / 'tiles.yaml'
+    user_model.write_text(sliding_tiles.USER_MODEL)
+    robot = operator(user_model_file=str(user_model), planning_timeout=600.0, deadline=600.0)
+    robot.publish(domain=sliding_tiles.DOMAIN)
+    return robot
+
+
+def publish_tiles(robot: Operator, moves: int) -> list[str]:
+    """Publish a puzzle; return the sentences of its plan."""
+    problem, plan = sliding_tiles.scrambled(moves)
+    robot.publish(problem=problem, plan=plan)
+    return [f'I will {step.strip("()")}.' for step in plan.split('\n')]
+
+
+def test_a_call_that_waits_is_answered_about_the_newest_plan(puzzled) -> None:
+    publish_tiles(puzzled, moves=200)
+    heard: list[str] = []
+    waiting = threading.Thread(target=lambda: heard.append(puzzled.answer()))
+    waiting.start()
+    eventually(
+        lambda: 'planning 0 of 2' in puzzled.explainer.diagnose({}, 0).message, 'the planning'
+    )
+    sentences = publish_tiles(puzzled, moves=3)
+    waiting.join(PATIENCE)
+
+    assert set(heard[0].split('\n')) <= set(sentences)
+
+
+def test_more_calls_than_may_wait_are_told_so_at_once(monkeypatch, puzzled) -> None:
+    puzzled.explainer._waiting = threading.Semaphore(1)
+    publish_tiles(puzzled, moves=200)
+    waiting = threading.Thread(target=puzzled.explainer.ask)
+    waiting.start()
+    refusal = eventually(
+        lambda: puzzled.explainer.ask().message if waiting.is_alive() else '', 'a reply'
+    )
+    puzzled.explainer.close()
+    waiting.join(PATIENCE)
+
+    assert 'calls wait for it, as many as may' in refusal
