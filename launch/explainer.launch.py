@@ -1,39 +1,55 @@
-"""Start the explainer: `ros2 launch mirror_explainer explainer.launch.py params_file:=...`."""
+"""Start the explainer: `ros2 launch mirror_explainer explainer.launch.py user_model_file:=...`.
 
-from pathlib import Path
+Only what is given is set, so that what an including launch file sets (`SetParameter`, a
+namespace, `use_sim_time`) stays as it is, and all else has the node's own default.
+"""
 
-from ament_index_python.packages import get_package_share_directory
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
+
+ARGUMENTS = {
+    'namespace': "the robot's namespace",
+    'params_file': 'parameters of the node, as in config/explainer.yaml',
+    'user_model_file': 'YAML: what the listener may believe',
+    'domain_file': 'PDDL domain, unless the robot publishes it',
+    'use_sim_time': 'true: stamps from /clock',
+    'log_level': 'debug, info, warn, error or fatal',
+}
+# Those that are parameters of the node; they win over the params_file.
+PARAMETERS = {'user_model_file': str, 'domain_file': str, 'use_sim_time': bool}
+
+
+def explainer(context: LaunchContext) -> list[Node]:
+    """Return the node, with the arguments that were given."""
+    given = {name for name in ARGUMENTS if LaunchConfiguration(name).perform(context)}
+    parameters = [
+        {name: ParameterValue(LaunchConfiguration(name), value_type=kind)}
+        for name, kind in PARAMETERS.items()
+        if name in given
+    ]
+    if 'params_file' in given:
+        parameters.insert(0, ParameterFile(LaunchConfiguration('params_file')))
+    log_level = ['--log-level', LaunchConfiguration('log_level')]
+    return [
+        Node(
+            package='mirror_explainer',
+            executable='explainer_node',
+            name='mirror_explainer',
+            namespace=LaunchConfiguration('namespace'),
+            parameters=parameters,
+            arguments=log_level if 'log_level' in given else [],
+            output='screen',
+        )
+    ]
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return one node with its namespace, parameters and log level as arguments."""
-    share = Path(get_package_share_directory('mirror_explainer'))
+    """Return the arguments, and the node."""
     arguments = [
-        DeclareLaunchArgument('namespace', default_value='', description="the robot's namespace"),
-        DeclareLaunchArgument(
-            'params_file',
-            default_value=str(share / 'config' / 'explainer.yaml'),
-            description='parameters of the node',
-        ),
-        DeclareLaunchArgument('log_level', default_value='info', description='debug, info, ...'),
-        DeclareLaunchArgument(
-            'use_sim_time', default_value='false', description='stamps from /clock'
-        ),
+        DeclareLaunchArgument(name, default_value='', description=description)
+        for name, description in ARGUMENTS.items()
     ]
-    node = Node(
-        package='mirror_explainer',
-        executable='explainer_node',
-        name='mirror_explainer',
-        namespace=LaunchConfiguration('namespace'),
-        parameters=[
-            LaunchConfiguration('params_file'),
-            {'use_sim_time': LaunchConfiguration('use_sim_time')},
-        ],
-        arguments=['--log-level', LaunchConfiguration('log_level')],
-        output='screen',
-    )
-    return LaunchDescription([*arguments, node])
+    return LaunchDescription([*arguments, OpaqueFunction(function=explainer)])

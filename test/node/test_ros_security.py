@@ -47,6 +47,17 @@ def allowed(enclave: str, namespace: str) -> dict[str, set[str]]:
     return names
 
 
+def test_all_that_stands_in_the_policys_list_of_enclaves_is_an_enclave():
+    # `ros2 security generate_artifacts` takes a comment there for an enclave, and fails.
+    parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+    enclaves = ElementTree.parse(POLICY, parser).find('enclaves')
+    assert enclaves is not None
+
+    paths = [enclave.get('path') for enclave in enclaves]
+
+    assert paths == ['/mirror_explainer', '/robot', '/operator_page', '/operator']
+
+
 def used(peer: Peer, node: str) -> dict[str, set[str]]:
     """Return the full names that a node of the peer's namespace uses, as far as it is known."""
     names: dict[str, set[str]] = {}
