@@ -16,7 +16,8 @@ from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.sentences import Sentences, action_parameters
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task
-from mirror_explainer.pddl.plan_text import check_plan, read_plan, without_dummy
+from mirror_explainer.pddl.plan_check import check_plan
+from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.planning import Belief, BeliefPlans, Plan, Planner, Status, Stop
 from mirror_explainer.selection.algorithm import (
     Selection,

@@ -119,7 +119,7 @@ def fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[Fault]:
             except InputError as error:
                 yield Fault(path, error.reason)
             else:
-                if task.axioms and fluent in task.axioms.fluents:
+                if task.axioms and fluent.name in task.axioms.names:
                     reason = f'{atom} is derived from other facts: name those that are uncertain'
                     yield Fault(path, reason)
     for index, group in enumerate(_list(data, 'one_of')):

@@ -7,6 +7,7 @@ that name the place. Like unified-planning, it must be used from one thread at a
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import unified_planning.model as up
 from unified_planning import environment
@@ -17,6 +18,7 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text, conjuncts
 from mirror_explainer.pddl.derived.axioms import Axioms, read_axioms, without_axioms
 from mirror_explainer.pddl.durative.durative import is_durative, require_fixed_durations
+from mirror_explainer.pddl.durative.overlap import may_need_overlap
 from mirror_explainer.pddl.durative.sequential import sequential_texts
 from mirror_explainer.pddl.expressions import NESTED, Expressions, as_text, nested_words
 from mirror_explainer.pddl.initial_state import PlainFact, add_facts, without_plain_facts
@@ -49,15 +51,21 @@ class Task:
     """A planning task ⟨P, A, I, G, O⟩ as read: the two texts, and unified-planning's problem.
 
     Nothing in them takes time: durative actions happen at once, and cost what
-    they took. `durative` says that there were some. The model has no derived
-    predicates; `axioms` say how its states come by them, None if there are none.
+    they took; `timed` is the problem with them as they are, None if there are none.
+    The models have no derived predicates; `axioms` say how their states come by
+    them, None if there are none.
     """
 
     domain: str
     problem: str
     model: up.Problem
-    durative: bool = False
+    timed: up.Problem | None = None
     axioms: Axioms | None = None
+
+    @cached_property
+    def may_need_overlap(self) -> bool:
+        """Whether a goal may have plans only with actions that overlap: none of them is found."""
+        return self.timed is not None and may_need_overlap(self.timed, self.axioms)
 
     @property
     def initial_facts(self) -> frozenset[str]:
@@ -123,6 +131,7 @@ def read_task(
             texts = replace(texts, domain=without_costs(texts.domain))
     model = _read_model(texts, rest, facts)
     axioms = read_axioms(model, texts)
+    timed = model if durative else None
     if durative:
         texts = sequential_texts(model, axioms, texts)
         model = _read_model(texts, *without_plain_facts(texts.problem))
@@ -134,7 +143,7 @@ def read_task(
     model.clear_goals()
     for conjunct in goals:
         model.add_goal(conjunct)
-    return Task(texts.domain, texts.problem, model, durative, axioms)
+    return Task(texts.domain, texts.problem, model, timed, axioms)
 
 
 def _read_model(texts: Texts, rest: str, facts: Sequence[PlainFact]) -> up.Problem:

@@ -15,7 +15,8 @@ from mirror_explainer.errors import InputError
 from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.pddl.plan_text import check_plan, read_plan
+from mirror_explainer.pddl.plan_check import check_plan
+from mirror_explainer.pddl.plan_text import read_plan
 
 SWITCH = """
 (define (domain switch) (:requirements :adl) (:predicates (on) (lit ?a ?b ?c))

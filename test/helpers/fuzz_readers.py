@@ -19,7 +19,8 @@ from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.sentences import Sentences, action_parameters
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, goal_expression, read_task
-from mirror_explainer.pddl.plan_text import Step, check_plan, read_plan, without_dummy
+from mirror_explainer.pddl.plan_check import check_plan
+from mirror_explainer.pddl.plan_text import Step, read_plan, without_dummy
 from mirror_explainer.text_files import plain_text
 
 LIMITS = InputLimits()

@@ -15,7 +15,8 @@ from mirror_explainer.listener.sentences import Sentences, action_parameters
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task, require_definition
 from mirror_explainer.pddl.initial_state import without_plain_facts
-from mirror_explainer.pddl.plan_text import check_plan, read_plan
+from mirror_explainer.pddl.plan_check import check_plan
+from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.text.size import require_few
 from mirror_explainer.pddl.text.texts import Texts
 from mirror_explainer.text_files import read_text

@@ -14,6 +14,9 @@ from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import Preparation, explain, prepare, robot_plan
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, atom_text, fluent_expression, ground_text, read_task
+from mirror_explainer.pddl.plan_check import check_plan
+from mirror_explainer.pddl.plan_text import read_plan
+from mirror_explainer.pddl.simulation import Happening
 from mirror_explainer.planning import Planner
 
 # A robot that must be charged before it moves: moving takes as long as it is far.
@@ -236,7 +239,9 @@ def test_durations_with_all_the_digits_of_a_measurement_are_taken_to_a_thousandt
 def test_an_action_whose_start_undoes_what_it_needs_cannot_be_carried_out() -> None:
     domain = DOMAIN.replace('(over all(battery_full ?r))', '(over all (robot_at ?r ?r1))')
 
-    with pytest.raises(InputError, match='step 2 of 3: its conditions contradict each other$'):
+    with pytest.raises(
+        InputError, match=r'step 2 of 3: \(robot_at leia kitchen\) does not hold while it goes on$'
+    ):
         robot_plan(read_task(domain, PROBLEM), TIMED_PLAN)
 
 
@@ -257,7 +262,7 @@ def test_a_duration_that_is_not_given_where_it_is_needed_is_named() -> None:
         robot_plan(task, TIMED_PLAN)
 
     assert str(refused.value) == (
-        'plan: the problem gives no value for distance(problem, at), which the plan needs'
+        'plan: the problem gives no value for (distance problem at), which the plan needs'
     )
 
 
@@ -308,24 +313,89 @@ def test_actions_at_the_same_time_are_taken_in_the_order_in_which_they_begin() -
     )
 
 
-def test_a_plan_that_works_only_because_actions_overlap_is_told_so() -> None:
-    # Luke may leave while Leia looks after the charging point, and not before.
+def test_a_plan_that_works_only_because_actions_overlap_is_carried_out_as_it_is() -> None:
+    # Luke may leave while Leia looks after the charging point, and not before or after.
     domain = DOMAIN.replace('(at start(connected ?r1 ?r2))', '(at start (start ?r1))').replace(
         '(at end (battery_full ?r))',
         '(and (at start (start ?ro)) (at end (battery_full ?r)) (at end (not (start ?ro))))',
     )
-    problem = TWO_ROBOTS.replace(':init', ':init (start at)')
-    plan = '0: (charge leia kitchen) [5.5]\n1: (move luke kitchen at) [14]'
+    problem = TWO_ROBOTS.replace(':init', ':init (start at)').replace(
+        '( robot_at leia AT )', '(robot_at luke at)'
+    )
+    task = read_task(domain, problem)
+    charge = '0: (charge leia kitchen) [5.5]\n'
 
+    run = check_plan(task, read_plan(charge + '1: (move luke kitchen at) [14]'))
+
+    assert task.may_need_overlap
+    assert run.cost == 5.5 + 14
+    assert run.happenings == (
+        Happening(0, ends=False),
+        Happening(1, ends=False),
+        Happening(0, starts=False),
+        Happening(1, starts=False),
+    )
+    luke = [
+        [fact for fact in state.facts if fact.startswith('(robot_at luke')]
+        for state in (*run.passed, *run.states)
+    ]
+    there, here = ['(robot_at luke at)'], ['(robot_at luke kitchen)']
+    assert luke == [here, here, [], [], there, here, here, there]
+    assert run.positions == (0, 1)
     with pytest.raises(InputError) as refused:
-        robot_plan(read_task(domain, problem), plan)
-
+        check_plan(task, read_plan(charge + '5.5: (move luke kitchen at) [14]'))
     assert str(refused.value) == (
         'plan, line 2: (move luke kitchen at) cannot be carried out as step 2 of 2: '
-        '(start kitchen) does not hold; the plan lets it begin while (charge leia kitchen) still '
-        'goes on, but actions with durations can be explained only if they also work one after '
-        'the other, in the order in which they begin'
+        '(start kitchen) does not hold'
     )
+
+
+def test_what_an_action_needs_all_the_while_is_looked_at_until_it_ends() -> None:
+    task = read_task(FUSES, FUSE_PROBLEM)
+
+    assert check_plan(task, read_plan('0: (light-match) [8]\n0: (mend-fuse) [5]')).cost == 13
+    assert check_plan(task, read_plan('0: (light-match) [8]\n3: (mend-fuse) [5]')).cost == 13
+    for late, lacks in {
+        '3.1': '(light) does not hold while it goes on',
+        '8': '(light) does not hold while it goes on',
+    }.items():
+        with pytest.raises(InputError) as refused:
+            check_plan(task, read_plan(f'0: (light-match) [8]\n{late}: (mend-fuse) [5]'))
+        assert str(refused.value) == (
+            f'plan, line 2: (mend-fuse) cannot be carried out as step 2 of 2: {lacks}'
+        )
+
+
+def test_what_an_action_needs_at_its_end_is_looked_at_then() -> None:
+    needs = '(and (at start (light)) (at end (not (light))))'
+    task = read_task(FUSES.replace('(over all (light))', needs), FUSE_PROBLEM)
+
+    assert check_plan(task, read_plan('0: (light-match) [8]\n4: (mend-fuse) [5]')).cost == 13
+    with pytest.raises(InputError, match=r'step 2 of 2: \(light\) holds when it ends$'):
+        check_plan(task, read_plan('0: (light-match) [8]\n2: (mend-fuse) [5]'))
+
+
+def test_actions_overlap_by_their_times_only_where_that_works() -> None:
+    task = read_task(DOMAIN, PROBLEM)
+    hasty = TIMED_PLAN.replace('5.501:', '5.4:')  # it would leave before it is charged
+
+    run = check_plan(task, read_plan(hasty))
+
+    assert [happening.step for happening in run.happenings] == [0, 0, 1, 1, 2, 2]
+    assert run.positions == (0, 1, 2)
+    assert run.states == run.passed[::2]
+
+
+def test_a_plan_without_times_is_carried_out_one_action_after_another() -> None:
+    untimed = '(charge leia kitchen)\n(move leia kitchen problem)\n(move leia problem at)'
+
+    run = check_plan(read_task(DOMAIN, PROBLEM), read_plan(untimed))
+
+    at = [[f for f in state.facts if f.startswith('(robot_at')] for state in run.passed]
+    kitchen, problem, there = (
+        [f'(robot_at leia {room})'] for room in ('kitchen', 'problem', 'at')
+    )
+    assert at == [kitchen, kitchen, kitchen, [], problem, [], there]
 
 
 REFUSED_DOMAINS = {
@@ -428,8 +498,7 @@ def test_a_problem_that_cannot_be_compiled_is_refused_by_name_and_line(
     assert str(refused.value).startswith(said)
 
 
-def test_actions_that_must_overlap_are_refused_by_name() -> None:
-    domain = """\
+FUSES = """\
 (define (domain fuses)
   (:requirements :durative-actions)
   (:predicates (light) (mended) (unused))
@@ -439,15 +508,31 @@ def test_actions_that_must_overlap_are_refused_by_name() -> None:
   (:durative-action mend-fuse :parameters ()
     :duration (= ?duration 5) :condition (over all (light)) :effect (at end (mended))))
 """
-    problem = '(define (problem f) (:domain fuses) (:init (unused)) (:goal (mended)))'
+FUSE_PROBLEM = '(define (problem f) (:domain fuses) (:init (unused)) (:goal (mended)))'
 
-    with pytest.raises(InputError) as refused:
-        read_task(domain, problem)
 
-    assert str(refused.value) == (
-        'domain, line 7: "mend-fuse" needs "light", which holds only while "light-match" is '
-        'going on: plans whose actions must overlap cannot be explained'
-    )
+@pytest.mark.parametrize(
+    ('domain', 'may'),
+    [
+        (FUSES, True),
+        (FUSES.replace('(at end (not (light)))', ''), False),
+        (FUSES.replace('(over all (light))', '(over all (not (light)))'), False),
+        (FUSES.replace('(over all (light))', '(over all (not (unused)))'), False),
+        # The match must be held until the fuse is mended, and cannot be lit afterwards.
+        (
+            FUSES.replace('(at end (not (light)))', '').replace(
+                ':condition (at start (unused))',
+                ':condition (and (at start (unused)) (at end (mended)))',
+            ),
+            True,
+        ),
+        (DOMAIN, False),
+    ],
+)
+def test_a_task_says_whether_its_actions_may_have_to_overlap(domain: str, may: bool) -> None:
+    problem = PROBLEM if domain == DOMAIN else FUSE_PROBLEM
+
+    assert read_task(domain, problem).may_need_overlap == may
 
 
 def test_a_compiled_action_does_what_the_durative_one_does_when_alone() -> None:

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from mirror_explainer.errors import InputError
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.pddl.plan_text import check_plan, read_plan, without_dummy
+from mirror_explainer.pddl.plan_check import check_plan
+from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 
 MOVE, GRAB = '(move left center)', '(grab red_circle red_room)'
 

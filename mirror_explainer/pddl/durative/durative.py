@@ -4,7 +4,6 @@ unified-planning's compiler merges what an action needs and does at its start, a
 the while, and at its end; it gets some rare actions wrong, which are refused as well.
 """
 
-import itertools
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -120,11 +119,12 @@ class _Phases:
         return fluents_in(*self.later)
 
     @property
-    def derived_later(self) -> frozenset[up.Fluent]:
+    def derived_later(self) -> frozenset[str]:
         """What derived predicates that matter later depend on."""
         if not self.axioms:
             return frozenset()
-        return self.axioms.basis(self.axioms.fluents & (self.at_end | self.needed_later))
+        later = {fluent.name for fluent in self.at_end | self.needed_later}
+        return self.axioms.basis(self.axioms.names & later)
 
 
 # What of an action the compiler gets wrong, each with the words for it.
@@ -161,7 +161,7 @@ _MISTAKEN: tuple[tuple[str, Callable[[_Phases], object]], ...] = (
     ),
     (
         'a derived condition later than its start on what its start changes',
-        lambda action: action.changed & action.derived_later,
+        lambda action: {f.name for f in action.changed} & action.derived_later,
     ),
 )
 
@@ -174,33 +174,6 @@ def require_compilable(
     for words, is_mistaken in _MISTAKEN:
         if is_mistaken(phases):
             raise InputError(source, f'"{action.name}" has {words}, {_ANOTHER_WAY}', line)
-
-
-def require_no_concurrency(
-    model: up.Problem, compiled: up.Problem, source: str, lines: dict[str, int]
-) -> None:
-    """Raise InputError if an action needs a fact that holds only while another action runs."""
-    lasting = {
-        e.fluent.fluent() for a in compiled.actions for e in a.effects if not e.value.is_false()
-    } | {atom.fluent() for atom, value in model.explicit_initial_values.items() if value.is_true()}
-    passing = {
-        effect.fluent.fluent(): action.name
-        for action in model.actions
-        if isinstance(action, up.DurativeAction)
-        for effect in effects_of(action)[0]
-        if effect.value.is_true() and effect.fluent.fluent() not in lasting
-    }
-    for action in compiled.actions:
-        for condition in itertools.chain.from_iterable(map(conjuncts, action.preconditions)):
-            fact = condition.fluent() if condition.is_fluent_exp() else None
-            if fact and passing.get(fact, action.name) != action.name:
-                raise InputError(
-                    source,
-                    f'"{action.name}" needs "{fact.name}", which holds only while '
-                    f'"{passing[fact]}" is going on: plans whose actions must overlap cannot be '
-                    'explained',
-                    lines.get(action.name),
-                )
 
 
 def as_literal(condition: up.FNode) -> tuple[up.FNode, bool] | None:

@@ -24,7 +24,6 @@ from mirror_explainer.pddl.durative.durative import (
     later_conditions,
     require_compilable,
     require_metric_of_costs,
-    require_no_concurrency,
     require_no_timed_facts,
 )
 from mirror_explainer.pddl.text.sections import (
@@ -60,7 +59,6 @@ def sequential_texts(model: up.Problem, axioms: Axioms | None, texts: Texts) -> 
         raise InputError(source, f'its durative actions cannot be compiled: {error}') from error
     for action in durative:
         _mend(compiled.action(action.name), action)
-    require_no_concurrency(model, compiled, source, lines)
     costs = Costs(model, source, lines, _converter(model))
     new_texts = {
         action.name: _action_text(compiled.action(action.name), costs.of(action))

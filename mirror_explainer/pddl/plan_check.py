@@ -1,0 +1,145 @@
+"""A plan checked against its task: every step fits, can be carried out, and reaches the goal."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import unified_planning.model as up
+from unified_planning.model import FNode
+
+from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.pddl.atoms import atom_text
+from mirror_explainer.pddl.plan_text import Step
+from mirror_explainer.pddl.simulation import Failure, Run, carry_out
+from mirror_explainer.pddl.states import Evaluator, UnknownNumberError
+from mirror_explainer.pddl.task import Task
+from mirror_explainer.pddl.text.size import instances
+
+_ANOTHER_TASK = 'Give domain, problem and plan of one task; this plan seems to be for another.'
+_MOSTLY_FITS = 'Correct that line, or declare what it names: most of the plan fits the task.'
+_NOT_CURRENT = (
+    'Give the problem with the state as it is now, and the plan with what is left to do from '
+    'there; publish both, one right after the other, whenever either changes.'
+)
+_LEAVE_OUT = 'Leave that out of the PDDL; the README says what is not read.'
+_UNCHECKED = (
+    'the plan cannot be checked: the problem may use more of PDDL than actions without duration, '
+    'or leave numbers without a first value'
+)
+
+
+@dataclass(frozen=True)
+class _Misfit:
+    """Why a step is no action of the task; and the unknown name in it, with those there are."""
+
+    reason: str
+    unknown: str = ''
+    known: Iterable[str] = ()
+
+
+def check_plan(
+    task: Task,
+    steps: Sequence[Step],
+    source: str = 'plan',
+    limits: InputLimits | None = None,
+) -> Run:
+    """Check that the plan can be carried out and reaches the task's goal; return how it goes.
+
+    Raises InputError that names the first action that fails and the condition it
+    lacks, or the goal that the plan does not reach; or says that there is more to
+    check than the limits allow.
+    """
+    require_fitting(task.model, steps, source)
+    if limits:
+        count = instances(task.model, [task.model.action(step.words[0]) for step in steps])
+        limits.require('max_instances', count, 'the facts to look at to check it', source)
+    model = task.timed or task.model
+    if model.trajectory_constraints or model.timed_goals or model.timed_effects:
+        raise InputError(source, _UNCHECKED, cure=_LEAVE_OUT)
+    evaluator = Evaluator(task)
+    try:
+        run = carry_out(task, steps, evaluator=evaluator)
+        if run.failure:
+            raise _refusal(steps, run.failure, source)
+        last = run.passed[-1]
+        missing = [goal for goal in task.model.goals if not evaluator.holds(goal, last)]
+    except UnknownNumberError as error:
+        raise InputError(
+            source,
+            f'the problem gives no value for {error.atom}, which the plan needs',
+            cure='Give it a value in the :init of the problem.',
+        ) from error
+    except NotImplementedError as error:
+        raise InputError(source, f'{_UNCHECKED} ({error})', cure=_LEAVE_OUT) from error
+    except OverflowError as error:
+        raise InputError(source, 'its cost is too large a number') from error
+    if missing:
+        reason = f'the plan does not reach the goal: {_conditions(missing)}'
+        raise InputError(source, reason, cure=_NOT_CURRENT)
+    return run
+
+
+def require_fitting(model: up.Problem, steps: Sequence[Step], source: str) -> None:
+    """Raise InputError for the first step that is no action of the task."""
+    actions = {action.name: action for action in model.actions}
+    objects = {item.name: item for item in model.all_objects}
+    misfits = [(misfit, step) for step in steps if (misfit := _misfit(step, actions, objects))]
+    if misfits:
+        misfit, step = misfits[0]
+        raise InputError(
+            source,
+            misfit.reason + did_you_mean(misfit.unknown, misfit.known),
+            step.line,
+            cure=_MOSTLY_FITS if 2 * len(misfits) <= len(steps) else _ANOTHER_TASK,
+        )
+
+
+def _misfit(
+    step: Step, actions: Mapping[str, up.Action], objects: Mapping[str, up.Object]
+) -> _Misfit | None:
+    """Return in what a step does not fit the task, None if it does."""
+    name, *arguments = step.words
+    if name not in actions:
+        return _Misfit(f'the domain has no action "{name}"', name, actions)
+    parameters = actions[name].parameters
+    if len(arguments) != len(parameters):
+        return _Misfit(f'{step.action}: "{name}" takes {len(parameters)} arguments')
+    for argument, parameter in zip(arguments, parameters, strict=True):
+        if argument not in objects:
+            reason = f'{step.action}: the problem has no object "{argument}"'
+            return _Misfit(reason, argument, objects)
+        of_type = objects[argument].type
+        if not parameter.type.is_compatible(of_type):
+            return _Misfit(
+                f'{step.action}: {argument} is of type {of_type.name}, '
+                f'but "{name}" takes a {parameter.type.name} there'
+            )
+    return None
+
+
+def _refusal(steps: Sequence[Step], failure: Failure, source: str) -> InputError:
+    """Say which action fails first, when, and what it lacks."""
+    step = steps[failure.step]
+    if failure.lacking:
+        lacks = f'{_conditions(failure.lacking)}{failure.when}'
+    else:
+        lacks = f'its effects contradict each other{failure.when}'
+    return InputError(
+        source,
+        f'{step.action} cannot be carried out as step {failure.step + 1} of {len(steps)}: {lacks}',
+        step.line,
+        cure=_NOT_CURRENT,
+    )
+
+
+def _conditions(conditions: Sequence[FNode]) -> str:
+    """Return "(robot-at left) does not hold" for the conditions that fail."""
+    texts = [
+        f'{atom_text(condition)} does not hold'
+        if condition.is_fluent_exp()
+        else f'{atom_text(condition.arg(0))} holds'
+        if condition.is_not() and condition.arg(0).is_fluent_exp()
+        else f'"{condition}" does not hold'
+        for condition in conditions
+    ]
+    return ', '.join(texts)
