@@ -69,6 +69,7 @@ setup(
             'compare = mirror_explainer.commands.compare:main',
             'explainer_node = mirror_explainer.node.explainer_node:main',
             'operator_page = mirror_explainer.web.operator.operator_page:main',
+            'plansys2_bridge = mirror_explainer.node.plansys2_bridge:main',
             'pucrs_benchmark = mirror_explainer.experiments.benchmark.pucrs:main',
             'user_study = mirror_explainer.experiments.study.user_study:main',
             'verbalize = mirror_explainer.commands.verbalize:main',

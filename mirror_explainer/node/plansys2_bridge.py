@@ -1,0 +1,304 @@
+"""The bridge from PlanSys2: what its services and topics tell, as the explainer hears it.
+
+PlanSys2 has domain and problem as services, tells a plan once, as it begins, and how far it is as
+the states of its actions; the explainer hears all four as texts. The two need not start in any
+order, and either may be started anew.
+"""
+
+import argparse
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import rclpy
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from rclpy.clock import Clock, ClockType
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_action_status_default
+from rclpy.utilities import remove_ros_args
+from std_msgs.msg import Empty, String
+
+from mirror_explainer.errors import InputError, told
+from mirror_explainer.node.plansys2_execution import (
+    AHEAD,
+    DONE,
+    FAILED,
+    RUNNING,
+    Execution,
+    PlannedAction,
+)
+from mirror_explainer.node.plansys2_messages import Messages, plansys2_messages
+
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+MANY = QoSProfile(depth=1000)  # one message an action and second, all at once
+PERIOD = 0.1  # s between two looks at what is to be asked and told
+PAUSE = 1.0  # s until a call that was refused is made again
+GRACE = 0.3  # s from a plan's end until the last states of its actions have come as well
+PATIENCE = 3.0  # s until a call that gets no reply is made again
+UNDER_WAY = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
+
+
+class Plansys2Bridge(Node):
+    """Tells the explainer what PlanSys2 knows. All names are relative: one bridge a robot.
+
+    Calls      `domain_expert/get_domain`, `problem_expert/get_problem`
+    Hears      `problem_expert/update_notify`, `executing_plan`, `action_execution_info`,
+               `execute_plan/_action/status`
+    Publishes  `domain`, `problem`, `plan`, `progress` (std_msgs/String, latched)
+
+    A plan is told until it has ended; one that failed until the robot gets another goal, so
+    that a person can hear where it got stuck.
+    """
+
+    def __init__(self, messages: Messages) -> None:
+        super().__init__('plansys2_bridge')
+        self._outputs = {
+            topic: self.create_publisher(String, topic, LATCHED)
+            for topic in ('domain', 'problem', 'plan', 'progress')
+        }
+        self._told: dict[str, str] = {}
+        self._domain = _Service(
+            self, messages.GetDomain, 'domain_expert/get_domain', 'domain', self._on_domain
+        )
+        self._problem = _Service(
+            self, messages.GetProblem, 'problem_expert/get_problem', 'problem', self._on_problem
+        )
+        info = messages.ActionExecutionInfo
+        # A cancelled action is not told: what became of it, only the state says.
+        self._standing = {
+            info.NOT_EXECUTED: AHEAD,
+            info.EXECUTING: RUNNING,
+            info.SUCCEEDED: DONE,
+            info.FAILED: FAILED,
+            info.CANCELLED: AHEAD,
+        }
+        self._execution = Execution.of(())
+        self._heard_plan = 0.0  # when, on the steady clock
+        self._executors: set[bytes] | None = None  # who may have told it; None: not looked at yet
+        self._under_way: bool | None = None  # whether the executor has a goal; None: not heard
+        self._ends: float | None = None  # when the plan that is over is no longer told
+        self._stuck = False  # whether the plan is over because it failed
+        self._goal = ''  # the goal of the plan that is told
+        self._plan_waits = False  # for the problem that belongs to it
+
+        self.create_subscription(
+            Empty, 'problem_expert/update_notify', lambda _: self._problem.ask(), MANY
+        )
+        self._plans = self.create_subscription(
+            messages.Plan, 'executing_plan', self._on_plan, LATCHED
+        )
+        self.create_subscription(info, 'action_execution_info', self._on_action, MANY)
+        self.create_subscription(
+            GoalStatusArray,
+            'execute_plan/_action/status',
+            self._on_goals,
+            qos_profile_action_status_default,
+        )
+        # Not the node's clock, which stands still when the system's is set back.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(PERIOD, self._look, clock=steady)
+
+    def _look(self) -> None:
+        """Ask what is to be asked, and tell how far the robot is."""
+        if self._execution.actions and self._executor_is_gone():
+            self._execution = Execution.of(())
+            self._under_way, self._ends, self._stuck = None, None, False
+            self._expect_plan()
+        if self._ends is not None and time.monotonic() > self._ends:
+            self._end()
+        self._domain.look()
+        self._problem.look()
+        if self._plan_waits and not self._problem.asked:
+            self._tell_plan()
+        elif not self._plan_waits:
+            self._tell('progress', self._execution.progress)
+
+    def _executor_is_gone(self) -> bool:
+        """Say whether none is left of the publishers that there were when the plan was heard.
+
+        Not whether there is one: PlanSys2 may have been started anew meanwhile.
+        """
+        topic = self._plans.topic_name
+        now = {bytes(i.endpoint_gid) for i in self.get_publishers_info_by_topic(topic)}
+        if self._executors is None:
+            if now:
+                self._executors = now
+            return not now and time.monotonic() - self._heard_plan > PATIENCE
+        return not self._executors & now
+
+    def _on_domain(self, text: str) -> None:
+        self._tell('domain', text)
+
+    def _on_problem(self, text: str) -> None:
+        self._tell('problem', text)
+        if self._stuck and _goal(text) != self._goal:
+            self._execution, self._stuck = Execution.of(()), False
+            self._plan_waits = True
+        if self._plan_waits:
+            self._tell_plan()
+
+    def _on_plan(self, message: Any) -> None:
+        actions = tuple(
+            PlannedAction(item.time, item.action, item.duration) for item in message.items
+        )
+        if actions == self._execution.actions and not self._stuck:
+            return  # some versions repeat it all the time
+        self._execution, self._stuck = Execution.of(actions), False
+        self._heard_plan, self._executors = time.monotonic(), None
+        if self._under_way is not False:
+            self._expect_plan()
+
+    def _on_action(self, message: Any) -> None:
+        standing = self._standing.get(message.status, AHEAD)
+        self._execution = self._execution.after(message.action_full_name, standing)
+
+    def _on_goals(self, message: GoalStatusArray) -> None:
+        """Notice that a plan's execution begins or ends, which no other topic tells."""
+        before = self._under_way
+        self._under_way = any(goal.status in UNDER_WAY for goal in message.status_list)
+        if self._under_way and before is False:
+            if self._ends is not None:
+                self._end()
+            if time.monotonic() - self._heard_plan > PATIENCE:
+                self._execution = Execution.of(())  # an old plan: the new one is yet to be heard
+            self._expect_plan()
+        elif not self._under_way and before is not False:
+            self._ends = time.monotonic() + GRACE
+
+    def _end(self) -> None:
+        """Tell no plan any more, unless it failed."""
+        self._ends = None
+        self._stuck = self._execution.failed
+        if not self._stuck:
+            self._execution = Execution.of(())
+        self._expect_plan()
+
+    def _expect_plan(self) -> None:
+        """Tell the plan as it now is, once the problem has been asked for anew."""
+        self._domain.ask()
+        self._problem.ask()
+        self._plan_waits = True
+
+    def _tell_plan(self) -> None:
+        """Tell how far the robot is before the plan: what was done belongs to the one before."""
+        self._plan_waits = False
+        if not self._stuck:
+            self._goal = _goal(self._told.get('problem', ''))
+        self._tell('progress', self._execution.progress)
+        self._tell('plan', self._execution.plan)
+
+    def _tell(self, topic: str, text: str) -> None:
+        if self._told.get(topic) != text:
+            self._told[topic] = text
+            self._outputs[topic].publish(String(data=text))
+
+
+def _goal(problem: str) -> str:
+    """Return the part of PlanSys2's problem from the goal on."""
+    return problem.partition(':goal')[2]
+
+
+class _Service:
+    """A text that a service of PlanSys2 gives: asked for when it may have changed.
+
+    One call at a time, and all changes meanwhile make one more. Once the service
+    is there, or there again, it is asked by itself.
+    """
+
+    def __init__(
+        self, node: Node, kind: Any, name: str, field: str, on_text: Callable[[str], None]
+    ) -> None:
+        self._request = kind.Request
+        self._client = node.create_client(kind, name)
+        self._field = field
+        self._on_text = on_text
+        self._logger = node.get_logger()
+        self._ready = False
+        self._wanted = True
+        self._call: Any = None
+        self._deadline = 0.0
+        self._not_before = 0.0
+        self._trouble = ''
+
+    @property
+    def asked(self) -> bool:
+        """Whether a text is on its way that has not been heard yet."""
+        return self._ready and (self._wanted or self._call is not None)
+
+    def ask(self) -> None:
+        """Ask at the next look, and tell what comes."""
+        self._wanted = True
+
+    def look(self) -> None:
+        """Make the call that is due."""
+        ready = self._client.service_is_ready()
+        if ready != self._ready:
+            self._ready, self._wanted = ready, True
+        if not ready:
+            self._warn(f'{self._client.srv_name} is not there. Is PlanSys2 running?')
+        now = time.monotonic()
+        if self._call is not None and (not ready or now > self._deadline):
+            self._client.remove_pending_request(self._call)
+            self._call, self._wanted = None, True
+        if ready and self._wanted and self._call is None and now >= self._not_before:
+            self._wanted = False
+            self._deadline = now + PATIENCE
+            self._call = self._client.call_async(self._request())
+            self._call.add_done_callback(self._on_reply)
+
+    def _on_reply(self, call: Any) -> None:
+        if call is not self._call:
+            return  # it was given up
+        self._call = None
+        reply = call.result()
+        if reply.success:
+            self._warn('')
+            self._on_text(getattr(reply, self._field))
+        else:  # as long as PlanSys2 is not active
+            self._wanted = True
+            self._not_before = time.monotonic() + PAUSE
+            self._warn(f'{self._client.srv_name} gives no {self._field}: {reply.error_info}')
+
+    def _warn(self, trouble: str) -> None:
+        """Log what is wrong once, and that it is well again."""
+        if trouble == self._trouble:
+            return
+        self._trouble = trouble
+        if trouble:
+            self._logger.warning(trouble)
+        else:
+            self._logger.info(f'{self._client.srv_name} gives the {self._field}')
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the bridge until it is interrupted."""
+    parser = argparse.ArgumentParser(
+        'plansys2_bridge',
+        description="Tell the explainer PlanSys2's domain, problem, plan and progress.",
+        epilog='Remappings and the like follow --ros-args: -r __ns:=/robot for the robot whose '
+        'PlanSys2 runs in the namespace /robot.',
+    )
+    parser.parse_args(remove_ros_args(args)[1:])
+    try:
+        messages = plansys2_messages()
+    except InputError as error:
+        parser.error(told(error))
+    rclpy.init(args=args)
+    node = Plansys2Bridge(messages)
+    try:
+        while rclpy.ok():
+            try:
+                # Not `spin`: a signal that comes just before it waits would not wake it.
+                rclpy.spin_once(node, timeout_sec=0.2)
+            except UnicodeDecodeError as error:  # a text that is none must not end the bridge
+                node.get_logger().error(f'a message of PlanSys2 is no text: {error}')
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()
