@@ -1,4 +1,4 @@
-"""A stand-in for PlanSys2: its services and topics, and what it tells when, for the bridge's tests.
+"""A stand-in for PlanSys2, with its services and topics, for the tests of the bridge.
 
 It behaves as PlanSys2 for Jazzy does: effects at start are applied when an action starts and those
 at end when it ends, each change is notified at once and without its content, actions' states come
