@@ -175,7 +175,7 @@ class Plansys2Bridge(Node):
         self._expect_plan()
 
     def _expect_plan(self) -> None:
-        """Tell the plan as it now is, once the problem has been asked for anew."""
+        """Tell the plan as it now is once the problem has been asked for anew."""
         self._domain.ask()
         self._problem.ask()
         self._plan_waits = True
