@@ -5,7 +5,7 @@ the plan that remains, as a robot's own stack should.
 """
 
 import argparse
-import warnings
+from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,30 +18,38 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
-from unified_planning.engines import UPSequentialSimulator
-from unified_planning.io import PDDLWriter
-from unified_planning.plans import ActionInstance
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.demo.problem_text import with_state
+from mirror_explainer.errors import InputError, told
 from mirror_explainer.pddl import read_task
-from mirror_explainer.pddl.plan_text import read_plan
+from mirror_explainer.pddl.plan_check import check_plan
+from mirror_explainer.pddl.plan_text import Step, read_plan
 from mirror_explainer.text_files import read_text
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class WarehouseRobot(Node):
-    """Publishes `domain`, `problem` and `plan`, latched, and acts a step every `step_period`.
+    """Carries out its plan, which was checked, a step every `step_period`.
 
-    Raises InputError for files that cannot be read.
+    Publishers (std_msgs/String, latched):
+        * **domain**: once
+        * **problem**: with the state as it is after each step
+        * **plan**: what is left of it
+
+    Parameters, all read-only:
+        * **domain_file**, **problem_file**, **plan_file**: another robot than the example
+        * **step_period** (s): 0, the default, is to stand still
+
+    Raises InputError for files that cannot be read, or a plan that cannot be carried out.
     """
 
     def __init__(self) -> None:
         super().__init__('warehouse_robot')
         folder = Path(get_package_share_directory('mirror_explainer')) / 'config' / 'warehouse'
-        domain = self._text('domain_file', folder / 'domain.pddl')
-        problem = self._text('problem_file', folder / 'problem.pddl')
-        self._steps = list(read_plan(self._text('plan_file', folder / 'plan.txt')))
+        domain_file = self._file('domain_file', folder / 'domain.pddl')
+        problem_file = self._file('problem_file', folder / 'problem.pddl')
+        plan_file = self._file('plan_file', folder / 'plan.txt')
         period = self.declare_parameter(
             'step_period',
             0.0,
@@ -51,53 +59,53 @@ class WarehouseRobot(Node):
                 read_only=True,
             ),
         ).value
-        self._model = read_task(domain, problem).model
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # it is not sure of costs without a first value
-            self._simulator = UPSequentialSimulator(self._model, error_on_failed_checks=False)
-        self._state = self._simulator.get_initial_state()
+        domain, problem = read_text(domain_file), read_text(problem_file)
+        task = read_task(domain, problem, domain_file, problem_file)
+        self._left = list(read_plan(read_text(plan_file), plan_file))
+        run = check_plan(task, self._left, plan_file)
+        # The steps in the order in which they end, and the problem after each.
+        problems = (with_state(problem, state) for state in run.states[1:])
+        steps = [self._left[position] for position in run.positions]
+        self._ahead = deque(zip(steps, problems, strict=True))
         self._domain = self.create_publisher(String, 'domain', LATCHED)
         self._problem = self.create_publisher(String, 'problem', LATCHED)
         self._plan = self.create_publisher(String, 'plan', LATCHED)
         self._domain.publish(String(data=domain))
-        self._publish()
+        self._publish(problem)
         if period:
             # Not the node's clock, which stands still when the system's is set back.
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self._timer = self.create_timer(period, self._step, clock=steady)
 
-    def _text(self, name: str, default: Path) -> str:
-        """Return the content of the file that a parameter names."""
+    def _file(self, name: str, default: Path) -> str:
+        """Return the path that a parameter gives."""
         descriptor = ParameterDescriptor(
             description=f'the file with the {name[:-5]}', read_only=True
         )
-        path = self.declare_parameter(name, str(default), descriptor).value
-        return read_text(path)
+        path: str = self.declare_parameter(name, str(default), descriptor).value
+        return path
 
     def _step(self) -> None:
         """Carry out the first action of the plan that remains."""
-        if not self._steps:
+        if not self._ahead:
             self._timer.cancel()
             return
-        step = self._steps.pop(0)
-        name, *arguments = step.words
-        objects = tuple(self._model.object(argument) for argument in arguments)
-        action = ActionInstance(
-            self._model.action(name),
-            self._model.environment.expression_manager.auto_promote(objects),
-        )
-        state = self._simulator.apply(self._state, action)
-        assert state is not None, f'{step.action} is not applicable'
-        self._state = state
+        step, problem = self._ahead.popleft()
+        self._left.remove(step)
         self.get_logger().info(f'did {step.action}')
-        self._publish()
+        self._publish(problem)
 
-    def _publish(self) -> None:
+    def _publish(self, problem: str) -> None:
         """Publish the problem as it now is, and the plan that remains."""
-        for fluent in self._model.initial_values:
-            self._model.set_initial_value(fluent, self._state.get_value(fluent))
-        self._problem.publish(String(data=PDDLWriter(self._model).get_problem()))
-        self._plan.publish(String(data='\n'.join(step.action for step in self._steps)))
+        self._problem.publish(String(data=problem))
+        self._plan.publish(String(data='\n'.join(map(_line, self._left))))
+
+
+def _line(step: Step) -> str:
+    """Return a step as a line of a plan, with its times if it has them."""
+    if step.start is None or step.end is None:
+        return step.action
+    return f'{step.start}: {step.action} [{round(step.end - step.start, 6)}]'
 
 
 def main(args: Sequence[str] | None = None) -> None:
@@ -119,7 +127,7 @@ def main(args: Sequence[str] | None = None) -> None:
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except InputError as error:
-        parser.error(str(error))
+        parser.error(told(error))
     finally:
         if node is not None:
             node.destroy_node()

@@ -1,0 +1,60 @@
+"""The demo robot as a process, with a domain of one's own."""
+
+from pathlib import Path
+
+import pytest
+from patience import PATIENCE, eventually
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+
+from ros_peer import Peer, running
+
+from mirror_explainer.pddl import read_task
+
+pytestmark = pytest.mark.usefixtures('ros')
+
+DOMAIN = """(define (domain lamps)
+  (:requirements :durative-actions :typing :derived-predicates)
+  (:types lamp)
+  (:predicates (lit ?l - lamp) (bright))
+  (:derived (bright) (forall (?l - lamp) (lit ?l)))
+  (:durative-action light :parameters (?l - lamp) :duration (= ?duration 2)
+    :condition () :effect (at end (lit ?l))))
+"""
+PROBLEM = """(define (problem evening) (:domain lamps)
+  (:objects red blue - lamp) (:init) (:goal (bright)))
+"""
+
+
+def files(folder: Path, plan: str) -> dict[str, Path]:
+    """Return the parameters that name the files of a robot with this plan."""
+    texts = {'domain': DOMAIN, 'problem': PROBLEM, 'plan': plan}
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    return {f'{name}_file': folder / name for name in texts}
+
+
+def test_a_robot_of_ones_own_domain_publishes_its_own_texts_with_each_state(
+    peer: Peer, tmp_path: Path
+) -> None:
+    domains, problems, plans = (peer.hear(name) for name in ('domain', 'problem', 'plan'))
+    robot = files(tmp_path, '0: (light red) [2]\n2: (light blue) [2]')
+    with running('warehouse_robot', peer.node.get_namespace(), tmp_path, step_period=0.5, **robot):
+        eventually(lambda: '' in plans, 'the end of the plan')
+        eventually(lambda: '(lit blue)' in problems[-1], 'the last state')
+
+    assert domains == [DOMAIN]
+    assert read_task(DOMAIN, problems[-1]).initial_facts == {'(lit red)', '(lit blue)'}
+    assert '(bright)' not in problems[-1].split('(:goal')[0]
+
+
+def test_a_plan_that_cannot_be_carried_out_ends_the_robot_with_one_sentence(
+    peer: Peer, tmp_path: Path
+) -> None:
+    robot = files(tmp_path, '(light red)')
+    with running('warehouse_robot', peer.node.get_namespace(), tmp_path, **robot) as process:
+        status = process.popen.wait(PATIENCE)
+
+    assert status == 2
+    assert f'error: {robot["plan_file"]}: the plan does not reach the goal' in process.log
+    assert 'Traceback' not in process.log
