@@ -30,6 +30,7 @@ setup(
     install_requires=[
         # up-fast-downward brings it, but what we use of its inside may change with any version.
         'fast-downward-translate>=26.6,<27',
+        'lemminflect>=0.2.3',
         'numpy>=1.26',
         'pydantic>=2.5',
         'pyparsing>=3.1',

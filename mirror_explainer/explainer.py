@@ -13,7 +13,7 @@ from mirror_explainer.errors import InputError, NoPlanError, PlanningError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
 from mirror_explainer.listener.prior import belief_prior
-from mirror_explainer.listener.sentences import Sentences, action_parameters
+from mirror_explainer.listener.sentences import sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_check import check_plan
@@ -206,11 +206,12 @@ def prepare(
     )
     if plan is not None:
         _require_truth(report.results[prior.robot_belief], plan)
+    own = plan or _planned(report.results[prior.robot_belief])
     model = mirror_model(
         prior,
         report.results,
-        plan or _planned(report.results[prior.robot_belief]),
-        Sentences(action_parameters(task), user_model.templates, user_model.objects),
+        own,
+        sentences_for(task, user_model, own.actions),
         user_model.rationality,
     )
     seconds = Seconds(planning=time.perf_counter() - started)

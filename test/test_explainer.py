@@ -441,7 +441,7 @@ def test_a_robot_with_an_unlisted_goal_is_explained_with_a_warning(
 
     told = explain(preparation, n=1)
     # The way to the door alone is by center and right: this is the first step beside it.
-    assert told.sentences == ('I will move center doors.',)
+    assert told.sentences == ('I will move to the doors.',)
     assert told.as_dict()['understanding_before'] == pytest.approx(0.05)
     assert told.as_dict()['understanding'] == pytest.approx(1.0)
     assert 'is not among the user model' in preparation.model.warnings[0]

@@ -1,84 +1,157 @@
 """P(O|Π)'s alphabet: the sentence that verbalizes each ground action.
 
-Two ground actions with the same sentence are one observation to the listener.
+Two ground actions with the same sentence are one observation to the listener. That is
+the step, not its tense: "I will grab it." stands for it when it is going on or done, too.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from string import Formatter
+from collections import Counter
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import permutations
 
+from mirror_explainer.listener.distinct import more_parameters
+from mirror_explainer.listener.english import other_tenses
+from mirror_explainer.listener.names import Name, action_names, object_names
+from mirror_explainer.listener.phrases import Phrases
+from mirror_explainer.listener.readable import Readable, Readables
+from mirror_explainer.listener.roles import Roles, roles_of
+from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.wording import StepStatus, Template, Wording, parts
 from mirror_explainer.pddl import Task, words_of
 
 
 @dataclass(frozen=True)
-class Template:
-    """How an action is said: "I will grab {i}.", with other wordings for some arguments.
+class Said:
+    """A step as it is said: a text with parameters in braces, and what is said for each."""
 
-    `when` maps a parameter's name to wordings by object: the first parameter
-    whose object has a wording decides. {name} stands for a parameter's object.
-    """
+    text: str
+    called: Mapping[str, str]
 
-    template: str
-    when: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
-
-
-def template_faults(template: Template, parameters: tuple[str, ...]) -> list[str]:
-    """Return what is wrong with a template of an action that has these parameters."""
-    wordings = [template.template, *(w for by in template.when.values() for w in by.values())]
-    faults = [
-        f'the action has no parameter "{name}"' + _instead(name, parameters, '"%s"')
-        for name in template.when
-        if name not in parameters
-    ]
-    for wording in wordings:
-        try:
-            fields = list(Formatter().parse(wording))
-        except ValueError as error:
-            faults.append(f'"{wording}": {error}')
-            continue
-        for _, name, spec, conversion in fields:
-            if name is not None and name not in parameters:
-                faults.append(
-                    f'"{wording}": {{{name}}} is no parameter of the action'
-                    + _instead(name, parameters, '{%s}')
-                )
-            elif spec or conversion:
-                faults.append(f'"{wording}": write {{{name}}} without a format')
-    return faults
+    @property
+    def sentence(self) -> str:
+        """The sentence, on one line."""
+        said = (text + (self.called[name] if name else '') for text, name in parts(self.text))
+        return ' '.join(''.join(said).split())
 
 
 @dataclass(frozen=True)
 class Sentences:
     """Says the ground actions of a domain.
 
-    `parameters` gives the names of each action's parameters, `templates` the
-    wording of some actions, `objects` what some objects are called. The rest
-    is said by name: (pick-up box1 shelf_2) is "I will pick up box1 shelf 2."
+    `templates` are the user model's, and `objects` what it calls some of the objects, by
+    the name in lower case. `defaults` are the sentences of the other actions (what is in
+    neither is said by its name and all of its objects), and `names` those of the objects.
+    A letter or number that was said is left out of a later name where the objects that are
+    `linked` to the earlier one, by action and their two parameters, are told apart without.
     """
 
     parameters: Mapping[str, tuple[str, ...]]
     templates: Mapping[str, Template] = field(default_factory=dict)
     objects: Mapping[str, str] = field(default_factory=dict)
+    defaults: Mapping[str, Readable] = field(default_factory=dict)
+    names: Mapping[str, Name] = field(default_factory=dict)
+    linked: Mapping[tuple[str, str, str], Mapping[str, Set[str]]] = field(default_factory=dict)
+    phrases: Phrases = field(default_factory=Phrases)
+
+    @cached_property
+    def _types(self) -> dict[str, tuple[str, ...]]:
+        return {item: name.kinds for item, name in self.names.items()}
+
+    @cached_property
+    def _observations(self) -> dict[str, str]:
+        """What was asked for before: many plans share their actions."""
+        return {}
 
     def of(self, action: str) -> str:
-        """Return the sentence for a ground action such as "(grab red_circle red_room)"."""
+        """Return the observation for "(grab red_circle red_room)": how it is said while ahead."""
+        if action not in self._observations:
+            self._observations[action] = self.worded(action, StepStatus.AHEAD).sentence
+        return self._observations[action]
+
+    def said(self, action: str, status: StepStatus) -> str:
+        """Return the sentence for a ground action that is ahead, going on or done."""
+        return self.worded(action, status).sentence
+
+    def worded(self, action: str, status: StepStatus) -> Said:
+        """Return how a ground action is said."""
         name, *arguments = words_of(action)
-        called = [self.objects.get(argument, _readable(argument)) for argument in arguments]
-        if name not in self.templates:
-            return f'I will {" ".join([_readable(name), *called])}.'
-        template = self.templates[name]
-        parameters = self.parameters[name]
-        wording = template.template
-        for parameter, argument in zip(parameters, arguments, strict=True):
-            if argument in template.when.get(parameter, {}):
-                wording = template.when[parameter][argument]
-                break
-        names = dict(zip(parameters, called, strict=True))
-        said = ''.join(
-            literal + (names[parameter] if parameter else '')
-            for literal, parameter, _, _ in Formatter().parse(wording)
-        )
-        return ' '.join(said.split())
+        parameters = self.parameters.get(name, tuple(map(str, range(len(arguments)))))
+        objects = dict(zip(parameters, arguments, strict=True))
+        if name in self.templates:
+            wording = self.templates[name].chosen(objects, self._types)
+            called = {p: self.objects.get(o, plain_name(o)) for p, o in objects.items()}
+        elif name in self.defaults:
+            wording = Wording(self.defaults[name].sentence)
+            called = self._called(name, objects)
+        else:
+            places = [f'{{{parameter}}}' for parameter in objects]
+            wording = Wording(f'I will {" ".join([plain_name(name), *places])}.')
+            called = {p: self.objects.get(o, plain_name(o)) for p, o in objects.items()}
+        return Said(in_tense(wording, status, self.phrases), called)
+
+    def _called(self, action: str, objects: Mapping[str, str]) -> dict[str, str]:
+        """Return what the objects of a default sentence are called, by parameter."""
+        default = self.defaults[action]
+        called: dict[str, str] = {}
+        for p in (p for _, p in parts(default.sentence) if p):
+            if objects[p] in self.objects:
+                called[p] = self.objects[objects[p]]
+                continue
+            name = self.names[objects[p]]
+            words = name.words
+            for earlier in called:
+                words = self._without_code(action, p, earlier, objects, words)
+            called[p] = name.called(words, default.nouns.get(p, ''), p in default.means)
+        return called
+
+    def _without_code(
+        self,
+        action: str,
+        parameter: str,
+        earlier: str,
+        objects: Mapping[str, str],
+        words: tuple[str, ...],
+    ) -> tuple[str, ...]:
+        """Return a name's words without a letter or number that an earlier name has, too."""
+        code = self.names[objects[earlier]].code
+        others = self.linked.get((action, parameter, earlier), {}).get(objects[earlier], ())
+        if len(words) < 2 or words[-1] != code:
+            return words
+        alike = [o for o in others if self.names[o].words[: len(words) - 1] == words[:-1]]
+        return words[:-1] if alike == [objects[parameter]] else words
+
+
+def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -> Sentences:
+    """Return how the actions of a task are said to this listener.
+
+    `plan` is the robot's, as ground actions: the default sentences say as much as tells its
+    steps apart.
+    """
+    parameters = action_parameters(task)
+    roles = {n: r for n, r in roles_of(task).items() if n not in user_model.templates}
+    facts = _static_facts(task) if roles else []
+    names = object_names(task)
+    kinds = Counter(kind for name in names.values() for kind in name.kinds)
+    kinds += Counter(predicate for predicate, *objects in facts if len(objects) == 1)
+    alone = frozenset(kind for kind, count in kinds.items() if count == 1)
+    readables = Readables(roles, action_names(task), alone)
+    usual = Sentences(
+        parameters,
+        user_model.templates,
+        user_model.objects,
+        {name: readables.of(name) for name in roles},
+        names,
+        _linked(roles, facts),
+        user_model.phrases,
+    )
+
+    def said(step: str, more: int) -> str:
+        name = words_of(step)[0]
+        return replace(usual, defaults={name: readables.of(name, more)}).of(step)
+
+    more = more_parameters(plan, roles, said)
+    return replace(usual, defaults={name: readables.of(name, more[name]) for name in roles})
 
 
 def action_parameters(task: Task) -> dict[str, tuple[str, ...]]:
@@ -86,13 +159,52 @@ def action_parameters(task: Task) -> dict[str, tuple[str, ...]]:
     return {action.name: tuple(p.name for p in action.parameters) for action in task.model.actions}
 
 
-def _readable(name: str) -> str:
-    return name.replace('-', ' ').replace('_', ' ')
+def in_tense(wording: Wording, status: StepStatus, phrases: Phrases) -> str:
+    """Return a wording's text for a step that is ahead, going on or done."""
+    if status is StepStatus.AHEAD:
+        return wording.future
+    given = wording.present if status is StepStatus.RUNNING else wording.past
+    if given:
+        return given
+    if made := other_tenses(wording.future):
+        return made[0] if status is StepStatus.RUNNING else made[1]
+    if status is StepStatus.RUNNING:
+        return wording.future
+    return phrases.already.replace('{sentence}', wording.future)
 
 
-def _instead(name: str, parameters: tuple[str, ...], form: str) -> str:
-    """Say what to write for a name that is no parameter, in this form, or what there is."""
-    plain = name.removeprefix('?').lower()
-    if plain in parameters:
-        return f' (write {form % plain})'
-    return f' (it has {", ".join(parameters) or "none"})'
+def plain_name(item: str) -> str:
+    """Return an object's name in words, for a place in a user model's sentence."""
+    return item.replace('-', ' ').replace('_', ' ')
+
+
+def _static_facts(task: Task) -> list[tuple[str, ...]]:
+    """Return predicate and objects of what holds initially and never changes."""
+    static = task.model.get_static_fluents()
+    return [
+        (atom.fluent().name, *(str(argument).lower() for argument in atom.args))
+        for atom, value in task.model.explicit_initial_values.items()
+        if atom.fluent() in static and value.is_true()
+    ]
+
+
+def _linked(
+    roles: Mapping[str, Roles], facts: Sequence[tuple[str, ...]]
+) -> dict[tuple[str, str, str], dict[str, set[str]]]:
+    """Return, by action and two parameters, the first one's objects for one of the second's.
+
+    They are those that a static precondition allows, such as the floors of a lift.
+    """
+    by_predicate: dict[str, list[tuple[str, ...]]] = {}
+    for fact in facts:
+        by_predicate.setdefault(fact[0], []).append(fact[1:])
+    linked: dict[tuple[str, str, str], dict[str, set[str]]] = {}
+    for role in roles.values():
+        for atom in role.needed:
+            for i, j in permutations(range(len(atom.arguments)), 2):
+                pair = role.name, atom.arguments[i], atom.arguments[j]
+                if all(pair) and atom.predicate in by_predicate:
+                    allowed = linked.setdefault(pair, {})
+                    for objects in by_predicate[atom.predicate]:
+                        allowed.setdefault(objects[j], set()).add(objects[i])
+    return linked

@@ -13,22 +13,26 @@ from pydantic import ValidationError
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.listener.sentences import Template, action_parameters
+from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.user_model_checks import (
     atoms,
     candidate_goals,
     canonical,
     fact_faults,
+    phrase_text_faults,
     sentence_faults,
 )
 from mirror_explainer.listener.user_model_file import (
     GoalEntry,
+    SentenceEntry,
+    Tenses,
     UserModelFile,
     parse_yaml,
     report,
     schema_fault,
     text_faults,
 )
+from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task
 from mirror_explainer.text_files import read_text
 
@@ -58,6 +62,7 @@ class UserModel:
     unlisted_goal_probability: float = 0.05
     templates: Mapping[str, Template] = field(default_factory=dict)
     objects: Mapping[str, str] = field(default_factory=dict)
+    phrases: Phrases = field(default_factory=Phrases)
 
 
 def read_user_model(
@@ -88,7 +93,9 @@ def read_user_model(
     faults += goal_faults
     faults += fact_faults(data, task)
     if task is not None:
-        faults += sentence_faults(data, action_parameters(task))
+        actions = {a.name: tuple(p.name for p in a.parameters) for a in task.model.actions}
+        faults += sentence_faults(data, actions, {kind.name for kind in task.model.user_types})
+    faults += phrase_text_faults(data)
     if faults or file is None:
         raise InputError(source, *report(faults, root))
     return _user_model(file, goals)
@@ -109,18 +116,25 @@ def _user_model(file: UserModelFile, goals: Sequence[GoalEntry]) -> UserModel:
         ),
         rationality=file.rationality,
         unlisted_goal_probability=file.unlisted_goal_probability,
-        templates={
-            action.lower(): Template(
-                wording.template,
-                {
-                    parameter: {item.lower(): said for item, said in by_object.items()}
-                    for parameter, by_object in wording.when.items()
-                },
-            )
-            for action, wording in file.sentences.items()
-        },
+        templates={action.lower(): _template(entry) for action, entry in file.sentences.items()},
         objects={name.lower(): called for name, called in file.objects.items()},
+        phrases=Phrases.of(file.phrases),
     )
+
+
+def _template(entry: SentenceEntry) -> Template:
+    wording = _wording(entry.template) if entry.template else _wording(entry)
+    return Template(
+        wording,
+        {
+            parameter: {item.lower(): _wording(said) for item, said in by_object.items()}
+            for parameter, by_object in entry.when.items()
+        },
+    )
+
+
+def _wording(said: Tenses | SentenceEntry) -> Wording:
+    return Wording(said.future or '', said.present, said.past)
 
 
 def _normalised(weights: Collection[float]) -> list[float]:

@@ -1,6 +1,6 @@
 """What of a user model only the domain can tell: whether it has its goals, facts and actions."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,8 +8,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from mirror_explainer.errors import InputError, did_you_mean
-from mirror_explainer.listener.sentences import Template, template_faults
+from mirror_explainer.listener.phrases import phrase_faults
 from mirror_explainer.listener.user_model_file import Fault, GoalEntry
+from mirror_explainer.listener.wording import TYPE, Template, Wording, template_faults
 from mirror_explainer.pddl import Task, fluent_expression, goal_expression
 
 
@@ -142,9 +143,9 @@ def atoms(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], str]
 
 
 def sentence_faults(
-    data: Mapping[str, Any], parameters: Mapping[str, tuple[str, ...]]
+    data: Mapping[str, Any], parameters: Mapping[str, tuple[str, ...]], types: Collection[str]
 ) -> Iterator[Fault]:
-    """Find sentences for actions or parameters that the domain does not have."""
+    """Find sentences for actions, parameters or types that the domain does not have."""
     sentences = data.get('sentences')
     for action, entry in sentences.items() if isinstance(sentences, dict) else ():
         path = ('sentences', action)
@@ -152,22 +153,44 @@ def sentence_faults(
             hint = did_you_mean(str(action).lower(), parameters)
             yield Fault(path, f'the domain has no action "{action}"{hint}')
             continue
-        for reason in template_faults(_wording(entry), parameters[action.lower()]):
+        template = _template(entry)
+        for reason in template_faults(template, parameters[action.lower()]):
             yield Fault(path, reason)
+        for parameter, wordings in template.when.items():
+            for key in wordings:
+                if key.startswith(TYPE) and key.removeprefix(TYPE).lower() not in types:
+                    kind = key.removeprefix(TYPE)
+                    hint = did_you_mean(kind.lower(), types)
+                    yield Fault(
+                        (*path, 'when', parameter, key), f'the domain has no type "{kind}"{hint}'
+                    )
 
 
-def _wording(entry: object) -> Template:
+def phrase_text_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Find phrases that there are not, and such that lack what they must say."""
+    phrases = data.get('phrases')
+    for name, reason in phrase_faults(phrases) if isinstance(phrases, dict) else ():
+        yield Fault(('phrases', name), reason)
+
+
+def _template(entry: object) -> Template:
     """Return as much of an action's sentences as is well-formed; the schema reports the rest."""
     parts = entry if isinstance(entry, dict) else {'template': entry}
-    template, when = parts.get('template'), parts.get('when')
+    when = parts.get('when')
     return Template(
-        template if isinstance(template, str) else '',
+        _wording(parts.get('template', parts)),
         {
-            name: {item: said for item, said in by_object.items() if isinstance(said, str)}
-            for name, by_object in (when.items() if isinstance(when, dict) else ())
-            if isinstance(name, str) and isinstance(by_object, dict)
+            name: {item: _wording(said) for item, said in by.items() if isinstance(item, str)}
+            for name, by in (when.items() if isinstance(when, dict) else ())
+            if isinstance(name, str) and isinstance(by, dict)
         },
     )
+
+
+def _wording(entry: object) -> Wording:
+    tenses = entry if isinstance(entry, dict) else {'future': entry}
+    texts = [tenses.get(tense) for tense in ('future', 'present', 'past')]
+    return Wording(*(text if isinstance(text, str) else '' for text in texts))
 
 
 def canonical(atom: str) -> str:

@@ -3,10 +3,11 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import yaml
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from mirror_explainer.errors import InputError, did_you_mean
 
@@ -37,9 +38,39 @@ class _OneOf(_Section):
     facts: Annotated[dict[_Text, _Weight], Field(min_length=1)]
 
 
-class _Wording(_Section):
-    template: _Text
-    when: dict[str, dict[str, _Text]] = {}
+class Tenses(_Section):
+    """A sentence in its tenses, or the future alone."""
+
+    future: _Text
+    present: _Text = ''
+    past: _Text = ''
+
+
+def _as_future(value: object) -> object:
+    """Let a text alone stand for the future."""
+    if isinstance(value, str) and not value.strip():
+        raise PydanticCustomError('string_too_short', 'blank')
+    return {'future': value} if isinstance(value, str) else value
+
+
+_Sentence = Annotated[Tenses, BeforeValidator(_as_future)]
+
+
+class SentenceEntry(_Section):
+    """How an action is said: `template`, or the tenses themselves, and exceptions."""
+
+    template: _Sentence | None = None
+    future: _Text | None = None
+    present: _Text = ''
+    past: _Text = ''
+    when: dict[str, dict[str, _Sentence]] = {}
+
+    @model_validator(mode='after')
+    def _one_sentence(self) -> Self:
+        tenses = self.future or self.present or self.past
+        if self.template is None and self.future is None or self.template and tenses:
+            raise PydanticCustomError('sentence', 'give either "template", or "future" here')
+        return self
 
 
 class UserModelFile(_Section):
@@ -54,17 +85,18 @@ class UserModelFile(_Section):
     sentences: dict[
         str,
         Annotated[
-            _Wording, BeforeValidator(lambda v: {'template': v} if isinstance(v, str) else v)
+            SentenceEntry, BeforeValidator(lambda v: {'template': v} if isinstance(v, str) else v)
         ],
     ] = {}
     objects: dict[str, _Text] = {}
+    phrases: dict[str, str] = {}
 
 
 _FIELDS = {
     'goals': GoalEntry.model_fields,
     'uncertain_facts': _UncertainFact.model_fields,
     'one_of': _OneOf.model_fields,
-    'sentences': _Wording.model_fields,
+    'sentences': SentenceEntry.model_fields,
 }
 # Far more than a model without aliases has.
 _MOST_NODES = 100_000
@@ -204,6 +236,7 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
     if detail['type'] == 'extra_forbidden':
         section, *inside = detail['loc']
         fields = _FIELDS[section] if inside else UserModelFile.model_fields
+        fields = Tenses.model_fields if section == 'sentences' and len(inside) > 2 else fields
         return 'unknown key' + did_you_mean(str(detail['loc'][-1]), fields)
     if detail['type'] == 'missing':
         return 'this key is missing'
@@ -214,7 +247,9 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
         hint = f' (a decimal has a point: {decimal[1] or 0}.{decimal[2]})' if decimal else hint
         return f'"{detail["input"]}" is a text, not a number{hint}'
     if detail['type'] == 'model_type' and detail['loc'][0] == 'sentences':
-        return 'this should be the sentence as a text, or a mapping with "template" and "when"'
+        keys = ['"template" and "when"'] if len(detail['loc']) == 2 else []
+        mappings = ', or '.join([*keys, '"future", "present" and "past"'])
+        return f'this should be the sentence as a text, or a mapping with {mappings}'
     if detail['type'] in ('model_type', 'dict_type'):
         return 'this should be a mapping: "key: value" lines, or {key: value}'
     if detail['type'] == 'list_type':

@@ -16,7 +16,7 @@ from unified_planning.plans import ActionInstance, SequentialPlan
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.prior import belief_prior
-from mirror_explainer.listener.sentences import Sentences, action_parameters
+from mirror_explainer.listener.sentences import sentences_for
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, goal_expression, read_task
 from mirror_explainer.pddl.plan_check import check_plan
@@ -170,7 +170,7 @@ def try_user_model(warehouse: Task, folder: Path, text: bytes, hypotheses: bytes
     assert abs(sum(goal.probability for goal in model.goals) - 1.0) < 1e-6
     assert 0.0 < prior.covered_mass <= 1.0
     assert all(0.0 < probability <= 1.0 for probability in prior.probabilities)
-    sentences = Sentences(action_parameters(warehouse), model.templates, model.objects)
+    sentences = sentences_for(warehouse, model)
     for action in ('(move left center)', '(exit bottom_door left)', '(grab red_cube red_room)'):
         assert not {unicodedata.category(letter) for letter in sentences.of(action)} & UNSAYABLE
     return True

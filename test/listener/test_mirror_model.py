@@ -17,14 +17,19 @@ from hypothesis import strategies as st
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model, plan_probabilities
 from mirror_explainer.listener.prior import Prior
-from mirror_explainer.listener.sentences import Sentences, Template
+from mirror_explainer.listener.sentences import Sentences
 from mirror_explainer.listener.user_model import CandidateGoal
+from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Status
 
 # (go x) and (go y) are one sentence, and so are (take x) and (put x).
 SENTENCES = Sentences(
     {'go': ('p',), 'take': ('o',), 'put': ('o',), 'wait': ()},
-    {'go': Template('I go.'), 'take': Template('I hold {o}.'), 'put': Template('I hold {o}.')},
+    {
+        'go': Template(Wording('I go.')),
+        'take': Template(Wording('I hold {o}.')),
+        'put': Template(Wording('I hold {o}.')),
+    },
 )
 SENTENCE = {
     '(go x)': 'I go.',

@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mirror_explainer.listener.prior import Prior, belief_prior
-from mirror_explainer.listener.sentences import Template
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel
+from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Belief
 
@@ -330,7 +330,7 @@ def test_an_object_of_another_problem_is_not_taken_for_a_like_one(
         DOMAIN.replace('(:predicates', '(:types place) (:predicates'),
         f'(define (problem p) (:domain d) {places} (:init) (:goal (g0)))',
     )
-    templates = {'win': Template('I win.', {'r': {when: 'I win there.'}})}
+    templates = {'win': Template(Wording('I win.'), {'r': {when: Wording('I win there.')}})}
     user_model = UserModel(candidates(('(g0)', 1)), templates=templates, objects=objects)
 
     assert belief_prior(task, user_model).warnings == ()

@@ -1,17 +1,13 @@
 """What each ground action sounds like."""
 
-import pytest
-
-from mirror_explainer.listener.sentences import (
-    Sentences,
-    Template,
-    action_parameters,
-    template_faults,
-)
+from mirror_explainer.listener.phrases import Phrases
+from mirror_explainer.listener.sentences import Sentences, action_parameters, sentences_for
+from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.wording import StepStatus, Template, Wording
 from mirror_explainer.pddl import Task
 
 
-def test_without_templates_names_are_made_readable() -> None:
+def test_an_action_that_nothing_is_known_of_is_said_with_all_of_its_objects() -> None:
     sentences = Sentences({'pick-up': ('what', 'where')})
 
     assert sentences.of('(pick-up box1 shelf_2)') == 'I will pick up box1 shelf 2.'
@@ -30,7 +26,7 @@ def test_objects_are_called_what_the_user_model_says() -> None:
 def test_a_template_takes_the_objects_of_the_parameters_that_it_names() -> None:
     sentences = Sentences(
         {'grab': ('i', 'r')},
-        {'grab': Template('From {r} I take {i}, yes: {i}.')},
+        {'grab': Template(Wording('From {r} I take {i}, yes: {i}.'))},
         {'box_1': 'the box'},
     )
 
@@ -42,10 +38,10 @@ def test_the_first_parameter_whose_object_has_a_wording_decides() -> None:
         {'move': ('a', 'b')},
         {
             'move': Template(
-                'Off to {b}.',
+                Wording('Off to {b}.'),
                 {
-                    'b': {'hall': 'Into the hall from {a}.', 'roof': 'Up.'},
-                    'a': {'roof': 'Down to {b}.'},
+                    'b': {'hall': Wording('Into the hall from {a}.'), 'roof': Wording('Up.')},
+                    'a': {'roof': Wording('Down to {b}.')},
                 },
             )
         },
@@ -58,14 +54,16 @@ def test_the_first_parameter_whose_object_has_a_wording_decides() -> None:
 
 
 def test_actions_with_the_same_sentence_are_one_observation() -> None:
-    sentences = Sentences({'grab': ('i', 'r')}, {'grab': Template('I grab {i}.')})
+    sentences = Sentences({'grab': ('i', 'r')}, {'grab': Template(Wording('I grab {i}.'))})
 
     assert sentences.of('(grab cup kitchen)') == sentences.of('(grab cup hall)')
     assert sentences.of('(grab cup kitchen)') != sentences.of('(grab pan kitchen)')
 
 
 def test_a_sentence_is_one_line_and_braces_can_be_written() -> None:
-    sentences = Sentences({'a': ('x',)}, {'a': Template('I  do\n {{{x}}}. ')}, {'o': ' an\tO '})
+    sentences = Sentences(
+        {'a': ('x',)}, {'a': Template(Wording('I  do\n {{{x}}}. '))}, {'o': ' an\tO '}
+    )
 
     assert sentences.of('(a o)') == 'I do { an O }.'
 
@@ -79,41 +77,43 @@ def test_the_warehouse_actions_have_their_parameters_in_order(task: Task) -> Non
     }
 
 
-@pytest.mark.parametrize(
-    ('wording', 'fault'),
-    [
-        ('{c}', '"{c}": {c} is no parameter of the action (it has a, b)'),
-        ('{?a}', '"{?a}": {?a} is no parameter of the action (write {a})'),
-        ('{B}', '"{B}": {B} is no parameter of the action (write {b})'),
-        ('{}', '"{}": {} is no parameter of the action (it has a, b)'),
-        ('{0}', '"{0}": {0} is no parameter of the action (it has a, b)'),
-        (
-            '{a.__class__}',
-            '"{a.__class__}": {a.__class__} is no parameter of the action (it has a, b)',
-        ),
-        ('{a[0]}', '"{a[0]}": {a[0]} is no parameter of the action (it has a, b)'),
-        ('{a!r}', '"{a!r}": write {a} without a format'),
-        ('{a:>9}', '"{a:>9}": write {a} without a format'),
-        ('{a:{b}}', '"{a:{b}}": write {a} without a format'),
-    ],
-)
-def test_a_template_may_name_nothing_but_the_parameters(wording: str, fault: str) -> None:
-    assert template_faults(Template(wording), ('a', 'b')) == [fault]
-    assert template_faults(Template('', {'a': {'x': wording}}), ('a', 'b')) == [fault]
+def test_a_step_has_the_same_observation_in_all_tenses() -> None:
+    sentences = Sentences({'grab': ('i',)}, {'grab': Template(Wording('I will grab the {i}.'))})
+
+    said = {status: sentences.said('(grab cup)', status) for status in StepStatus}
+
+    assert said == {
+        StepStatus.AHEAD: 'I will grab the cup.',
+        StepStatus.RUNNING: 'I am grabbing the cup.',
+        StepStatus.DONE: 'I have grabbed the cup.',
+    }
+    assert sentences.of('(grab cup)') == 'I will grab the cup.'
 
 
-def test_unbalanced_braces_and_unknown_parameters_of_when_are_faults() -> None:
-    faults = template_faults(Template('{a', {'z': {'x': '}'}, '?A': {}}), ('a',))
+def test_tenses_that_are_given_are_said_and_the_others_made_or_marked() -> None:
+    wordings = {
+        'a': Wording('I will lie here.', past='I lay here.'),
+        'b': Wording('Ich hole {x}.', present='Ich hole gerade {x}.', past='Ich habe {x} geholt.'),
+        'c': Wording('Ich gehe.'),
+    }
+    templates = {name: Template(wording) for name, wording in wordings.items()}
+    parameters = {'a': (), 'b': ('x',), 'c': ()}
+    phrases = Phrases(already='Schon erledigt: {sentence}')
+    sentences = Sentences(parameters, templates, {'x1': 'das Buch'}, phrases=phrases)
 
-    assert faults[0] == 'the action has no parameter "z" (it has a)'
-    assert faults[1] == 'the action has no parameter "?A" (write "a")'
-    assert faults[2].startswith('"{a": ')
-    assert faults[3].startswith('"}": ')
-    assert len(faults) == 4
+    running = [sentences.said(a, StepStatus.RUNNING) for a in ('(a)', '(b x1)', '(c)')]
+    done = [sentences.said(a, StepStatus.DONE) for a in ('(a)', '(b x1)', '(c)')]
+
+    assert running == ['I am lying here.', 'Ich hole gerade das Buch.', 'Ich gehe.']
+    assert done == ['I lay here.', 'Ich habe das Buch geholt.', 'Schon erledigt: Ich gehe.']
 
 
-def test_a_good_template_has_no_faults() -> None:
-    template = Template('{a} {b} {{c}}', {'b': {'x': 'to {a}'}})
+def test_wordings_by_type_are_for_the_objects_of_the_problem(task: Task) -> None:
+    template = Template(
+        Wording('I will go to {b}.'), {'b': {'type place': Wording('I will go somewhere.')}}
+    )
+    model = UserModel((), templates={'move': template})
 
-    assert template_faults(template, ('a', 'b')) == []
-    assert template_faults(Template('I wait.'), ()) == []
+    sentences = sentences_for(task, model)
+
+    assert sentences.of('(move left center)') == 'I will go somewhere.'

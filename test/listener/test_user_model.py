@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.listener.sentences import Template
 from mirror_explainer.listener.user_model import UserModel, read_user_model
+from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task
 
 GOOD = """\
@@ -49,8 +49,10 @@ def test_a_good_file_gives_normalised_canonical_values(read_model) -> None:
     )
     assert (model.rationality, model.unlisted_goal_probability) == (2.0, 0.1)
     assert model.templates == {
-        'grab': Template('I will grab {i}.'),
-        'move': Template('I will go to {b}.', {'b': {'doors': 'I will reach the doors.'}}),
+        'grab': Template(Wording('I will grab {i}.')),
+        'move': Template(
+            Wording('I will go to {b}.'), {'b': {'doors': Wording('I will reach the doors.')}}
+        ),
     }
     assert model.objects == {'red_circle': 'a red circle'}
 
@@ -389,7 +391,7 @@ def test_faults_inside_an_entry_with_another_fault_are_told_too(read_model) -> N
         )
 
     assert refused.value.reason.startswith('6 faults: ')
-    for said in ('"holdin"', 'nmae: unknown', '{x} is no', 'whne: unknown', '"q"', 'valid string'):
+    for said in ('"holdin"', 'nmae: unknown', '{x} is no', 'whne: unknown', '"q"', 'sentence as'):
         assert said in refused.value.reason
 
 

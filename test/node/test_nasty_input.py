@@ -11,7 +11,7 @@ from pddl_cases import TOOLS_DOMAIN, TOOLS_PROBLEM, WAREHOUSE_DOMAIN, WAREHOUSE_
 from mirror_explainer.errors import LONGEST_MESSAGE, InputError, one_line
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.prior import belief_prior
-from mirror_explainer.listener.sentences import Sentences, action_parameters
+from mirror_explainer.listener.sentences import sentences_for
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task, require_definition
 from mirror_explainer.pddl.initial_state import without_plain_facts
@@ -115,7 +115,7 @@ def test_names_in_other_scripts_are_said_as_they_are(read_model, task: Task) -> 
         GOAL + 'sentences: {grab: "我拿{i}。"}\nobjects: {red_cube: "قرمز\u200cرنگ"}\n'
     )
 
-    sentences = Sentences(action_parameters(task), model.templates, model.objects)
+    sentences = sentences_for(task, model)
 
     assert sentences.of('(grab red_cube red_room)') == '我拿قرمز\u200cرنگ。'
 
@@ -333,7 +333,7 @@ def test_a_sentence_is_one_line_whatever_line_ends_the_model_has(read_model, tas
         GOAL + 'sentences: {grab: "one\\ntwo\\r\\n{i}\\L\\N."}\nobjects: {red_cube: "a\\n b"}\n'
     )
 
-    said = Sentences(action_parameters(task), model.templates, model.objects)
+    said = sentences_for(task, model)
 
     assert said.of('(grab red_cube red_room)') == 'one two a b .'
 

@@ -125,8 +125,8 @@ def test_a_timed_plan_of_durative_actions_is_explained_from_pddl_to_sentences(
 
     assert preparation.model.sentences == (
         'I will charge in the kitchen.',
-        'I will move leia kitchen problem.',
-        'I will move leia problem at.',
+        'I will move to Problem.',
+        'I will move to the at.',
     )
     assert preparation.model.complete
     assert explain(preparation, n=1).selection.information_gain > 0

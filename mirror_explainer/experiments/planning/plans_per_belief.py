@@ -41,7 +41,7 @@ from mirror_explainer.experiments.planning.plans_tables import (
 )
 from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
 from mirror_explainer.listener.prior import belief_prior
-from mirror_explainer.listener.sentences import Sentences, action_parameters
+from mirror_explainer.listener.sentences import sentences_for
 from mirror_explainer.planning import BeliefPlans, BeliefSpace, Planner
 from mirror_explainer.selection.algorithm import most_informative
 
@@ -78,8 +78,9 @@ class Listener:
         """Return the mirror model with so many plans a belief."""
         model = self._scene.user_model
         found = self._one if count == 1 else [_sampled(result, count) for result in self._all]
-        sentences = Sentences(action_parameters(self._scene.task), model.templates, model.objects)
-        return mirror_model(self._prior, found, self._scene.plan, sentences, model.rationality)
+        plan = self._scene.plan
+        sentences = sentences_for(self._scene.task, model, plan.actions)
+        return mirror_model(self._prior, found, plan, sentences, model.rationality)
 
 
 def _sampled(result: BeliefPlans, count: int) -> BeliefPlans:

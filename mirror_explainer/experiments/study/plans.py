@@ -10,7 +10,7 @@ from mirror_explainer.errors import PlanningError
 from mirror_explainer.experiments.study.scenarios import FetchGoal, Scenario
 from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
 from mirror_explainer.listener.prior import belief_prior
-from mirror_explainer.listener.sentences import Sentences, action_parameters
+from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
@@ -40,8 +40,7 @@ class PlannedScenario:
     @cached_property
     def sentences(self) -> Sentences:
         """How the robot says its actions."""
-        user_model = self.scenario.user_model
-        return Sentences(action_parameters(self.task), user_model.templates, user_model.objects)
+        return sentences_for(self.task, self.scenario.user_model, self.plan.actions)
 
     @cached_property
     def model(self) -> MirrorModel:

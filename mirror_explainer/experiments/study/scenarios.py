@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import combinations, product
 from random import Random
 
-from mirror_explainer.listener.sentences import Template
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel
+from mirror_explainer.listener.wording import Template
 from mirror_explainer.pddl import Task
 
 COLOURS = ('red', 'blue')

@@ -1,0 +1,142 @@
+"""English verbs: which words are verbs, and "I will grab it." while it is done and afterwards.
+
+lemminflect, which knows the verbs and inflects them, is loaded when it is first needed.
+"""
+
+import re
+from functools import cache
+
+
+def word_set(words: str) -> frozenset[str]:
+    """Return the words of a text with spaces between them."""
+    return frozenset(words.split())
+
+
+_SUBJECTS = {'i will': ('I am', 'I have'), "i'll": ("I'm", "I've")}
+_ADVERBS = word_set('then now first next also again soon just still both finally')
+# What stands after a verb, and hardly after a noun that "and" adds to another.
+_AFTER_VERBS = word_set(
+    'the a an it its them this that these those my your his her their our you me him us some '
+    'any each every all up down off out back away over'
+)
+# Where the library's word is rarer, or of another meaning.
+_PAST = {'get': 'got', 'lie': 'lain'}
+_PREFIXES = re.compile(r'(?:un|re|de|dis|pre|over|co)-?(?=\w{4})')
+
+
+def is_verb(word: str) -> bool:
+    """Say whether an English verb has this base form: "grab", "undock"; not "grabs"."""
+    return any('VERB' in _inflections(form) for form in (word, _PREFIXES.sub('', word, count=1)))
+
+
+def is_known(word: str) -> bool:
+    """Say whether this is the base form of an English word of any kind."""
+    return bool(_inflections(word))
+
+
+def infinitive(gerund: str) -> str:
+    """Return "gather" for "gathering", '' for what is no verb with "-ing"."""
+    if not gerund.endswith('ing'):
+        return ''
+    from lemminflect import getAllLemmas
+
+    lemmas = [lemma for lemma in getAllLemmas(gerund).get('VERB', ()) if lemma != gerund]
+    return lemmas[0] if lemmas else ''
+
+
+@cache
+def present_participle(verb: str) -> str:
+    """Return "grabbing" for "grab"."""
+    return _inflected(verb, 'VBG')
+
+
+@cache
+def past_participle(verb: str) -> str:
+    """Return "grabbed" for "grab", "taken" for "take"."""
+    return _PAST.get(verb) or _inflected(verb, 'VBN')
+
+
+@cache
+def other_tenses(future: str) -> tuple[str, str] | None:
+    """Return "I am grabbing {i}." and "I have grabbed {i}." for "I will grab {i}.".
+
+    None where the sentence does not begin with "I will" and a verb, or where it cannot be
+    told whether a word after an "and" is another verb ("I will take the cup and plate.").
+    """
+    begin = re.match(r"\s*(I will|I'll)\s+", future, re.IGNORECASE)
+    if not begin:
+        return None
+    words = future[begin.end() :].split()
+    verbs = _verbs_of(words)
+    if not verbs:
+        return None
+    subjects = _SUBJECTS[' '.join(begin[1].lower().split())]
+    if _bare(words[verbs[0]]) == 'be':
+        present, past = words[: verbs[0]] + words[verbs[0] + 1 :], [*words]
+        past[verbs[0]] = 'been'
+    else:
+        present, past = [*words], [*words]
+        for place in verbs:
+            verb = _bare(words[place])
+            present[place] = words[place].replace(verb, present_participle(verb), 1)
+            past[place] = words[place].replace(verb, past_participle(verb), 1)
+    return ' '.join([subjects[0], *present]), ' '.join([subjects[1], *past])
+
+
+def _verbs_of(words: list[str]) -> list[int]:
+    """Return the places of the verbs in what follows "I will"; none where that is not sure."""
+    first = 0
+    while first < len(words) and _is_adverb(words[first]):
+        first += 1
+    if first == len(words) or not re.fullmatch(r'[a-z][a-z-]*[.,;:!]?', words[first]):
+        return []
+    if _bare(words[first]) in ('not', 'never'):
+        return []
+    verbs = [first]
+    for place in range(first + 1, len(words)):
+        word, before = _bare(words[place]), place - 1
+        while before > first and _is_adverb(words[before]):
+            before -= 1
+        joined = words[before] in ('and', 'or') or (before < place - 1 and words[before] == 'then')
+        listed = words[before].endswith(',')
+        if not (joined or listed) or _is_adverb(words[place]) or not is_verb(word):
+            continue
+        following = words[place + 1] if place + 1 < len(words) else ''
+        if (
+            words[place] == word
+            and (following.startswith('{') or following in _AFTER_VERBS)
+            or joined
+            and (len(verbs) > 1 or before - 1 in verbs or not _inflections(word).keys() - {'VERB'})
+        ):
+            verbs.append(place)
+        elif joined:
+            return []
+    return verbs
+
+
+def _is_adverb(word: str) -> bool:
+    bare = _bare(word)
+    return bare in _ADVERBS or (bare.endswith('ly') and not is_verb(bare))
+
+
+def _bare(word: str) -> str:
+    return word.rstrip('.,;:!')
+
+
+@cache
+def _inflections(word: str) -> dict[str, tuple[str, ...]]:
+    """Return the forms of a known word by kind, "VERB" and "NOUN" among them."""
+    from lemminflect import getAllInflections
+
+    kinds: dict[str, tuple[str, ...]] = {}
+    for tag, forms in getAllInflections(word).items():
+        kind = {'V': 'VERB', 'N': 'NOUN', 'J': 'ADJ', 'R': 'ADV'}.get(tag[0], tag)
+        kinds[kind] = (*kinds.get(kind, ()), *forms)
+    return kinds
+
+
+def _inflected(verb: str, tag: str) -> str:
+    from lemminflect import getInflection
+
+    forms = [f for f in getInflection(verb, tag, inflect_oov=True) if ('-' in f) == ('-' in verb)]
+    return max(forms, key=len) if forms else verb

@@ -1,0 +1,101 @@
+"""What a person hears beside the steps of a plan; each phrase can be set in the user model."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from string import Formatter
+from typing import Any
+
+from mirror_explainer.errors import did_you_mean
+
+
+def _phrase(default: str, when: str, *, places: str = '', may_be_empty: bool = False) -> Any:
+    """Declare a phrase: `places` are what it may have in braces, the first of which it must."""
+    metadata = {'when': when, 'places': tuple(places.split()), 'may_be_empty': may_be_empty}
+    return field(default=default, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class Phrases:
+    """The phrases, with their English defaults."""
+
+    reached: str = _phrase(
+        'I am done.', 'Nothing is left to do. What the robot achieved is said before it.'
+    )
+    no_plan: str = _phrase('I have nothing to do right now.', 'The robot has no plan.')
+    not_ready: str = _phrase(
+        'I do not know yet. Please ask me again in a moment.',
+        'The plan has not come yet, or is still being read.',
+    )
+    unclear: str = _phrase(
+        'I cannot tell you what I am up to right now.',
+        'What the robot plans cannot be read or explained; the log and /diagnostics say why.',
+    )
+    all_heard: str = _phrase(
+        'You have heard all that I am up to.', 'Every step of the plan was said before.'
+    )
+    nothing_more: str = _phrase(
+        'There is nothing more that you need to know.',
+        'Steps are left that were not said, but they would tell this listener nothing.',
+    )
+    new_task: str = _phrase(
+        'I have a new task.',
+        'Before the first answer about another goal than the last answer was about.',
+        may_be_empty=True,
+    )
+    replanned: str = _phrase(
+        'I have changed my plan.',
+        'Before the first answer about another plan for the same goal.',
+        may_be_empty=True,
+    )
+    failed: str = _phrase(
+        'I am stuck: {step}',
+        'A step failed. {step} is "I cannot …" of a sentence with "I will …", else the sentence.',
+        places='step',
+    )
+    already: str = _phrase(
+        'Already done: {sentence}',
+        'Before the sentence of a step that is done, where it has no form for the past.',
+        places='sentence',
+    )
+    and_: str = _phrase('and', 'Joins the last two of several objects: "the cup and the plate".')
+
+    @staticmethod
+    def names() -> tuple[str, ...]:
+        """Return the phrases' names as a user model writes them."""
+        return tuple(each.name.rstrip('_') for each in fields(Phrases))
+
+    @staticmethod
+    def of(texts: Mapping[str, str]) -> 'Phrases':
+        """Return the phrases with those that a user model sets."""
+        names = {each.name.rstrip('_'): each.name for each in fields(Phrases)}
+        return Phrases(**{names[name]: ' '.join(text.split()) for name, text in texts.items()})
+
+
+def phrase_faults(texts: Mapping[Any, Any]) -> Iterator[tuple[Any, str]]:
+    """Find what is wrong with a user model's phrases; yield each one's name and the reason."""
+    known = {each.name.rstrip('_'): each for each in fields(Phrases)}
+    for name, text in texts.items():
+        if name not in known:
+            yield name, 'unknown phrase' + did_you_mean(str(name), known)
+        elif not isinstance(text, str):
+            yield name, 'a phrase is a text: put it in quotes'
+        elif not text.strip():
+            if not known[name].metadata['may_be_empty']:
+                yield name, 'this text is blank'
+        else:
+            yield from ((name, fault) for fault in _places(text, known[name].metadata['places']))
+
+
+def _places(text: str, places: tuple[str, ...]) -> Iterator[str]:
+    try:
+        found = [name for _, name, _, _ in Formatter().parse(text) if name is not None]
+    except ValueError as error:
+        yield f'"{text}": {error}'
+        return
+    for name in found:
+        if name not in places:
+            known = ' or '.join(f'{{{place}}}' for place in places)
+            hint = f' (write {known})' if known else ''
+            yield f'"{text}": {{{name}}} has no place here{hint}'
+    if places and places[0] not in found:
+        yield f'"{text}" lacks {{{places[0]}}}'

@@ -1,0 +1,172 @@
+"""What an action's parameters do in it, read off its effects: what comes about, what moves where.
+
+The readable default of a sentence is made from this.
+"""
+
+import itertools
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import unified_planning.model as up
+
+from mirror_explainer.listener.english import word_set
+from mirror_explainer.pddl import Task, conjuncts
+
+# Names of what is counted rather than meant: a battery's level, seconds, free places.
+_AMOUNTS = word_set(
+    'level fuel battery energy power number num count counter amount capacity size time tick '
+    'step percent int integer quantity'
+)
+# Predicates that say whether a thing can be used, which no listener asks for.
+_USE = word_set(
+    'free empty clear full available avail idle vacant busy occupied handempty handfree unused '
+    'reserved'
+)
+_AGENTS = word_set('robot agent rover drone uav agv amr manipulator')
+
+
+@dataclass(frozen=True)
+class Atom:
+    """A predicate with an action's parameters; '' stands for an object."""
+
+    predicate: str
+    arguments: tuple[str, ...]
+
+    @cached_property
+    def about_use(self) -> bool:
+        """Whether it says no more than that something can be used."""
+        return not _USE.isdisjoint(words_in(self.predicate)) or self.predicate in _USE
+
+
+@dataclass(frozen=True)
+class Move:
+    """A predicate whose one argument changes from `origin` to `destination`, two parameters."""
+
+    predicate: str
+    origin: str
+    destination: str
+
+
+@dataclass(frozen=True)
+class Roles:
+    """The atoms that an action needs, makes true and makes false, and its parameters' kinds.
+
+    `kinds` are the nouns for each parameter: its type and those above it, or, without types,
+    the predicates that say what it is. `agents` are parameters for who acts: the robot.
+    """
+
+    name: str
+    kinds: Mapping[str, tuple[str, ...]]
+    needed: tuple[Atom, ...]
+    made: tuple[Atom, ...]
+    undone: tuple[Atom, ...]
+    agents: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The parameters' names, in order."""
+        return tuple(self.kinds)
+
+    @cached_property
+    def moves(self) -> tuple['Move', ...]:
+        """What changes its place: (at ?r ?a) is undone, and (at ?r ?b) made."""
+        pairs = itertools.product(self.made, self.undone)
+        moves = (_move(made, undone) for made, undone in pairs if not made.about_use)
+        return tuple(
+            move
+            for move in moves
+            if move
+            and not self.is_amount(move.destination)
+            and _AMOUNTS.isdisjoint(words_in(move.predicate))
+        )
+
+    def is_amount(self, parameter: str) -> bool:
+        """Say whether a parameter is a number in disguise."""
+        return any(not _AMOUNTS.isdisjoint(words_in(kind)) for kind in self.kinds[parameter])
+
+
+def roles_of(task: Task) -> dict[str, Roles]:
+    """Return the roles of each action of the task's domain."""
+    static = {fluent.name for fluent in task.model.get_static_fluents()}
+    roles = {action.name: _roles(action, static) for action in task.model.actions}
+    acting = _acting_kinds(roles)
+    return {
+        name: Roles(
+            role.name,
+            role.kinds,
+            role.needed,
+            role.made,
+            role.undone,
+            tuple(p for p, kinds in role.kinds.items() if not acting.isdisjoint(kinds)),
+        )
+        for name, role in roles.items()
+    }
+
+
+def _roles(action: up.InstantaneousAction, static: set[str]) -> Roles:
+    needed = tuple(
+        _atom(literal)
+        for condition in action.preconditions
+        for literal in conjuncts(condition)
+        if literal.is_fluent_exp()
+    )
+    effects = [e for e in action.effects if e.fluent.type.is_bool_type() and e.is_assignment()]
+    made = tuple(_atom(e.fluent) for e in effects if e.value.is_true())
+    undone = tuple(a for e in effects if e.value.is_false() and (a := _atom(e.fluent)) not in made)
+    kinds = {}
+    for parameter in action.parameters:
+        said_by = [
+            atom.predicate
+            for atom in needed
+            if atom.predicate in static and atom.arguments == (parameter.name,)
+        ]
+        types = [kind.name for kind in _with_types_above(parameter.type)]
+        kinds[parameter.name] = tuple([kind for kind in types if kind != 'object'] + said_by)
+    return Roles(action.name, kinds, needed, made, undone)
+
+
+def _atom(expression: up.FNode) -> Atom:
+    return Atom(
+        expression.fluent().name,
+        tuple(a.parameter().name if a.is_parameter_exp() else '' for a in expression.args),
+    )
+
+
+def _move(made: Atom, undone: Atom) -> Move | None:
+    if made.predicate != undone.predicate:
+        return None
+    pairs = zip(undone.arguments, made.arguments, strict=True)
+    changed = [pair for pair in pairs if pair[0] != pair[1]]
+    return Move(made.predicate, *changed[0]) if len(changed) == 1 and all(changed[0]) else None
+
+
+def _with_types_above(kind: up.Type | None) -> Iterator[up.Type]:
+    while kind is not None and kind.is_user_type():
+        yield kind
+        kind = kind.father
+
+
+def _acting_kinds(roles: Mapping[str, Roles]) -> set[str]:
+    """Return the kinds of who acts: what is called a robot, or what every action has as one."""
+    having = [role for role in roles.values() if role.kinds]
+    counts = Counter(kind for role in having for kind in {k[0] for k in role.kinds.values() if k})
+    moving = {
+        role.kinds[argument][0]
+        for role in having
+        for move in role.moves
+        for atom in role.made
+        if atom.predicate == move.predicate
+        for argument in atom.arguments
+        if argument not in ('', move.destination) and role.kinds[argument]
+    }
+    everywhere = {kind for kind, count in counts.items() if count == len(having) > 1}
+    return {k for k in counts if not _AGENTS.isdisjoint(words_in(k))} | (everywhere & moving)
+
+
+def words_in(name: str) -> list[str]:
+    """Return the words of a PDDL name, in lower case: "place_inFixture-2" has four."""
+    spaced = re.sub(r'(?<=[a-z])(?=[A-Z][a-z])|(?<=[a-z]{2})(?=[A-Z])', ' ', name)
+    return re.split(r'[-_\s]+', spaced.strip('-_').lower())

@@ -1,0 +1,96 @@
+"""English verbs in the tenses of a robot's steps."""
+
+import pytest
+
+from mirror_explainer.listener.english import infinitive, is_verb, other_tenses
+
+# Verbs of robots, regular and not, with those that a word list may lack.
+VERBS = {
+    'grab': ('grabbing', 'grabbed'),
+    'bring': ('bringing', 'brought'),
+    'take': ('taking', 'taken'),
+    'put': ('putting', 'put'),
+    'drive': ('driving', 'driven'),
+    'fly': ('flying', 'flown'),
+    'go': ('going', 'gone'),
+    'give': ('giving', 'given'),
+    'hold': ('holding', 'held'),
+    'get': ('getting', 'got'),
+    'leave': ('leaving', 'left'),
+    'sweep': ('sweeping', 'swept'),
+    'mop': ('mopping', 'mopped'),
+    'lie': ('lying', 'lain'),
+    'refuel': ('refuelling', 'refuelled'),
+    'photograph': ('photographing', 'photographed'),
+    'dock': ('docking', 'docked'),
+    'undock': ('undocking', 'undocked'),
+    'unstack': ('unstacking', 'unstacked'),
+    'teleport': ('teleporting', 'teleported'),
+    're-charge': ('re-charging', 're-charged'),
+}
+
+
+@pytest.mark.parametrize(('verb', 'forms'), VERBS.items())
+def test_a_verb_is_said_while_it_is_done_and_afterwards(verb: str, forms: tuple[str, str]) -> None:
+    present, past = forms
+
+    assert other_tenses(f'I will {verb} {{i}}.') == (
+        f'I am {present} {{i}}.',
+        f'I have {past} {{i}}.',
+    )
+
+
+@pytest.mark.parametrize(
+    ('future', 'present', 'past'),
+    [
+        ("I'll wait.", "I'm waiting.", "I've waited."),
+        ('I will be in {r}.', 'I am in {r}.', 'I have been in {r}.'),
+        ('I will then clean {r}.', 'I am then cleaning {r}.', 'I have then cleaned {r}.'),
+        (
+            'I will slowly lift {i} and put it down.',
+            'I am slowly lifting {i} and putting it down.',
+            'I have slowly lifted {i} and put it down.',
+        ),
+        (
+            'I will fetch {i}, open {d} and leave.',
+            'I am fetching {i}, opening {d} and leaving.',
+            'I have fetched {i}, opened {d} and left.',
+        ),
+        (
+            'I will wait for the cup and the plate.',
+            'I am waiting for the cup and the plate.',
+            'I have waited for the cup and the plate.',
+        ),
+    ],
+)
+def test_a_sentence_with_i_will_has_other_tenses(future: str, present: str, past: str) -> None:
+    assert other_tenses(future) == (present, past)
+
+
+@pytest.mark.parametrize(
+    'sentence',
+    [
+        'Ich hole {i}.',
+        'The robot will grab {i}.',
+        'I will {a}.',
+        'I will not move.',
+        'I will',
+        # Is the plate taken, or is something plated?
+        'I will take the cup and plate to {r}.',
+    ],
+)
+def test_what_is_not_surely_understood_has_no_other_tenses(sentence: str) -> None:
+    assert other_tenses(sentence) is None
+
+
+def test_verbs_and_their_ing_forms_are_known() -> None:
+    assert [word for word in ('open', 'undock', 'gripper', 'lobby?') if is_verb(word)] == [
+        'open',
+        'undock',
+    ]
+    assert [infinitive(word) for word in ('gathering', 'moving', 'bring', 'door')] == [
+        'gather',
+        'move',
+        '',
+        '',
+    ]

@@ -1,0 +1,270 @@
+"""What robots say without a template, each sentence as a person would say it."""
+
+import pytest
+
+from mirror_explainer.listener.sentences import Sentences, sentences_for
+from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.pddl import Task, read_task
+
+NO_TEMPLATES = UserModel(())
+
+
+WALK = (
+    '(:action walk :parameters (?a ?b - room) :precondition (at ?a) '
+    ':effect (and (not (at ?a)) (at ?b)))'
+)
+
+
+def robot(actions: str, predicates: str, objects: str, init: str = '') -> Task:
+    """Return a task with these parts of a domain and of a problem."""
+    types = 'room bay level - object storey - room thing lamp robot person film gate - object'
+    return read_task(
+        f'(define (domain d) (:requirements :strips :typing :negative-preconditions)'
+        f'(:types {types}) (:predicates {predicates}) {actions} {WALK})',
+        f'(define (problem p) (:domain d) (:objects {objects}) (:init {init}) (:goal (and)))',
+    )
+
+
+def action(name: str, parameters: str, effect: str, precondition: str = '') -> str:
+    return (
+        f'(:action {name} :parameters ({parameters}) :precondition (and {precondition}) '
+        f':effect (and {effect}))'
+    )
+
+
+PREDICATES = (
+    '(at ?r - room) (in ?r - room) (on-shelf ?t - thing ?r - room) (held ?t - thing) (hand-free)'
+    '(stored ?t - thing ?b - bay) (bay-free ?b - bay) (lit ?l - lamp) (charged) (fuel ?l - level)'
+    '(shown ?t - thing ?f - film) (greeted ?p - person) (given ?t - thing ?p - person)'
+    '(passed ?g - gate) (seen ?r - room)'
+)
+OBJECTS = (
+    'big_hall cold-store - room level_0 - storey red_Mug tin7 - thing bay_1 - bay '
+    'desk_lamp - lamp full half - level Ms_Ito anna nurse - person colour - film '
+    'east_gate - gate x - room'
+)
+MOVE = '(not (at ?a)) (at ?b)'
+
+SPOKEN = [
+    (action('move', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'move to the big hall'),
+    (action('goto', '?a ?b - room', MOVE, '(at ?a)'), 'x cold-store', 'go to the cold store'),
+    (action('turn_to', '?b ?a - room', MOVE, '(at ?a)'), 'level_0 x', 'turn to level 0'),
+    (action('up', '?a ?b - room', MOVE, '(at ?a)'), 'x level_0', 'go up to level 0'),
+    (action('enter-room', '?a ?b - room', MOVE, '(at ?a)'), 'big_hall x', 'enter room x'),
+    (
+        action('drive', '?a ?b - room ?l ?m - level', MOVE + '(not (fuel ?l)) (fuel ?m)'),
+        'x big_hall full half',
+        'drive to the big hall',
+    ),
+    (
+        action(
+            'pick', '?t - thing ?r - room', '(held ?t) (not (on-shelf ?t ?r)) (not (hand-free))'
+        ),
+        'red_mug cold-store',
+        'pick up the red Mug from the cold store',
+    ),
+    (
+        action('dropOff', '?t - thing ?r - room', '(not (held ?t)) (on-shelf ?t ?r)', '(at ?r)'),
+        'tin7 x',
+        'drop off tin7 on room x',
+    ),
+    (
+        action('take', '?t - thing ?b - bay', '(stored ?t ?b) (not (bay-free ?b))'),
+        'tin7 bay_1',
+        'take tin7',
+    ),
+    (
+        action('put_in_bay', '?t - thing ?b - bay', '(stored ?t ?b) (not (bay-free ?b))'),
+        'tin7 bay_1',
+        'put tin7 in bay 1',
+    ),
+    (action('switch_off', '?l - lamp', '(not (lit ?l))'), 'desk_lamp', 'switch off the desk lamp'),
+    (action('lamp-light', '?l - lamp', '(lit ?l)'), 'desk_lamp', 'light the desk lamp'),
+    (action('recharge', '?r - room', '(charged)', '(at ?r)'), 'x', 'recharge'),
+    (
+        action('take-picture', '?t - thing ?f - film', '(shown ?t ?f)'),
+        'red_mug colour',
+        'take the picture of the red Mug with the colour film',
+    ),
+    (
+        action('check_lights', '?r - room', '(seen ?r)', '(at ?r)'),
+        'x',
+        'check the lights at room x',
+    ),
+    (action('greet', '?p - person', '(greeted ?p)'), 'ms_ito', 'greet Ms Ito'),
+    (action('greet', '?p - person', '(greeted ?p)'), 'anna', 'greet anna'),
+    (
+        action('hand_over', '?t - thing ?p - person', '(given ?t ?p) (not (held ?t))'),
+        'red_mug nurse',
+        'hand over the red Mug to the nurse',
+    ),
+    (action('exit', '?g - gate', '(passed ?g)'), 'east_gate', 'exit through the east gate'),
+    (
+        action('floor-cleaning', '?r - room', '(seen ?r)'),
+        'big_hall',
+        'clean the floor of the big hall',
+    ),
+]
+
+
+@pytest.mark.parametrize(('domain', 'arguments', 'said'), SPOKEN, ids=[s[2] for s in SPOKEN])
+def test_an_action_is_said_by_what_it_brings_about(domain: str, arguments: str, said: str) -> None:
+    task = robot(domain, PREDICATES, OBJECTS)
+
+    sentence = sentences_for(task, NO_TEMPLATES).of(f'({task.model.actions[0].name} {arguments})')
+
+    assert sentence == f'I will {said}.'
+
+
+FLEET = """
+(define (domain yard) (:requirements :strips :typing)
+  (:types crane truck yard box)
+  (:predicates (crane-at ?c - crane ?y - yard) (truck-at ?t - truck ?y - yard)
+    (box-at ?b - box ?y - yard) (in ?b - box ?t - truck) (weighed ?b - box ?c - crane))
+  (:action drive-truck :parameters (?t - truck ?a ?b - yard) :precondition (truck-at ?t ?a)
+    :effect (and (not (truck-at ?t ?a)) (truck-at ?t ?b)))
+  (:action load-truck :parameters (?b - box ?t - truck ?y - yard)
+    :precondition (and (truck-at ?t ?y) (box-at ?b ?y))
+    :effect (and (not (box-at ?b ?y)) (in ?b ?t)))
+  (:action unload_truck :parameters (?b - box ?t - truck ?y - yard)
+    :precondition (and (truck-at ?t ?y) (in ?b ?t))
+    :effect (and (box-at ?b ?y) (not (in ?b ?t))))
+  (:action weigh :parameters (?b - box ?c - crane) :effect (weighed ?b ?c)))
+"""
+YARD = """
+(define (problem p) (:domain yard)
+  (:objects c - crane truck1 t2 - truck north-yard y2 - yard b1 BOX_A - box) (:init) (:goal (and)))
+"""
+
+
+def test_what_the_name_of_an_action_says_its_object_is_stands_before_a_code() -> None:
+    sentences = sentences_for(read_task(FLEET, YARD), NO_TEMPLATES)
+
+    assert sentences.of('(drive-truck t2 y2 north-yard)') == (
+        'I will drive truck t2 to the north yard.'
+    )
+    assert sentences.of('(load-truck b1 truck1 y2)') == 'I will load b1 into truck1.'
+    assert sentences.of('(unload_truck box_a t2 y2)') == (
+        'I will unload BOX A from truck t2 at y2.'
+    )
+    assert sentences.of('(weigh b1 c)') == 'I will weigh b1 with crane c.'
+
+
+UNTYPED = """
+(define (domain mars) (:requirements :strips)
+  (:predicates (probe ?p) (site ?s) (at ?p ?s) (sampled ?p ?s) (antenna ?a) (sent ?s) (on ?a))
+  (:action travel :parameters (?p ?a ?b)
+    :precondition (and (probe ?p) (site ?a) (site ?b) (at ?p ?a))
+    :effect (and (not (at ?p ?a)) (at ?p ?b)))
+  (:action sample_dust :parameters (?p ?s) :precondition (and (probe ?p) (site ?s) (at ?p ?s))
+    :effect (sampled ?p ?s))
+  (:action send-dust-data :parameters (?p ?s ?a)
+    :precondition (and (probe ?p) (site ?s) (antenna ?a) (sampled ?p ?s)) :effect (sent ?s)))
+"""
+
+
+def mars(probes: str) -> Sentences:
+    facts = ' '.join(f'(probe {probe})' for probe in probes.split())
+    problem = (
+        f'(define (problem p) (:domain mars) (:objects {probes} rim floor dish)'
+        f'(:init {facts} (site rim) (site floor) (antenna dish)) (:goal (and)))'
+    )
+    return sentences_for(read_task(UNTYPED, problem), NO_TEMPLATES)
+
+
+def test_the_only_robot_is_i_and_one_of_several_is_named() -> None:
+    alone, several = mars('scout'), mars('scout digger')
+
+    assert alone.of('(travel scout rim floor)') == 'I will travel to the floor.'
+    assert several.of('(travel scout rim floor)') == 'I will travel the scout to the floor.'
+    assert alone.of('(sample_dust scout rim)') == 'I will sample the dust at the rim.'
+    assert several.of('(sample_dust scout rim)') == (
+        'I will sample the dust at the rim using the scout.'
+    )
+    assert alone.of('(send-dust-data scout rim dish)') == 'I will send the dust data of the rim.'
+
+
+LIFTS = """
+(define (domain lifts) (:requirements :strips :typing) (:types lift stop)
+  (:predicates (at ?s - stop) (stops ?l - lift ?s - stop))
+  (:action take-lift :parameters (?l - lift ?a ?b - stop)
+    :precondition (and (at ?a) (stops ?l ?a) (stops ?l ?b))
+    :effect (and (not (at ?a)) (at ?b))))
+"""
+
+
+@pytest.mark.parametrize(
+    ('stops', 'said'),
+    [
+        # Lift b has one top stop, and its name is told without the letter,
+        ('(stops lift_b top_b) (stops lift_b base_b)', 'I will take lift b to the top.'),
+        # but not where it stops at another one that differs in nothing else.
+        ('(stops lift_b top_b) (stops lift_b top_a)', 'I will take lift b to top b.'),
+    ],
+)
+def test_a_letter_is_not_said_twice_where_that_leaves_no_doubt(stops: str, said: str) -> None:
+    problem = (
+        '(define (problem p) (:domain lifts) (:objects lift_a lift_b - lift top_a top_b base_b - '
+        f'stop) (:init (stops lift_a top_a) {stops}) (:goal (and)))'
+    )
+    sentences = sentences_for(read_task(LIFTS, problem), NO_TEMPLATES)
+
+    assert sentences.of('(take-lift lift_b base_b top_b)') == said
+
+
+COFFEE = """
+(define (domain bar) (:requirements :strips :typing) (:types cup recipe - object)
+  (:predicates (ready) (warm ?c - cup) (has ?c - cup ?r - recipe) (empty ?c - cup))
+  (:action brew :parameters (?c - cup ?r - recipe) :effect (and (not (empty ?c)) (has ?c ?r)))
+  (:action rinse :parameters (?c - cup ?r - recipe) :effect (empty ?c))
+  (:action start :parameters (?c - cup) :effect (ready)))
+"""
+
+
+def coffee(*plan: str) -> Sentences:
+    problem = (
+        '(define (problem p) (:domain bar) (:objects cup1 cup2 - cup mocha tea - recipe)'
+        '(:init) (:goal (and)))'
+    )
+    return sentences_for(read_task(COFFEE, problem), NO_TEMPLATES, plan)
+
+
+def test_steps_are_told_apart_only_by_what_lasts_to_the_plans_end() -> None:
+    sentences = coffee('(start cup1)', '(start cup2)', '(rinse cup1 tea)', '(brew cup1 mocha)')
+
+    assert sentences.of('(start cup1)') == sentences.of('(start cup2)') == 'I will start.'
+    assert sentences.of('(brew cup1 mocha)') == 'I will brew cup1 with the mocha recipe.'
+
+
+def test_names_in_capitals_only_are_not_shouted() -> None:
+    task = read_task(COFFEE.upper(), (
+        '(DEFINE (PROBLEM P) (:DOMAIN BAR) (:OBJECTS CUP1 - CUP MOCHA - RECIPE)'
+        '(:INIT) (:GOAL (AND)))'
+    ))  # fmt: skip
+
+    sentences = sentences_for(task, NO_TEMPLATES)
+
+    assert sentences.of('(brew cup1 mocha)') == 'I will brew cup1 with the mocha recipe.'
+
+
+def test_what_the_user_model_calls_an_object_is_said_in_default_sentences_too(task: Task) -> None:
+    model = UserModel((), objects={'red_cube': 'the heavy one'})
+
+    sentences = sentences_for(task, model)
+
+    assert sentences.of('(grab red_cube red_room)') == (
+        'I will grab the heavy one from the red room.'
+    )
+
+
+def test_a_default_sentence_is_said_in_all_tenses(task: Task) -> None:
+    from mirror_explainer.listener.wording import StepStatus
+
+    sentences = sentences_for(task, NO_TEMPLATES)
+
+    assert sentences.said('(exit bottom_door right)', StepStatus.RUNNING) == (
+        'I am exiting through the bottom door.'
+    )
+    assert sentences.said('(grab blue_cube blue_room)', StepStatus.DONE) == (
+        'I have grabbed the blue cube from the blue room.'
+    )
