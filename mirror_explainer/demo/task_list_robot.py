@@ -1,0 +1,77 @@
+"""A node for robots without PDDL: hears their tasks as a text, and tells the explainer.
+
+For whoever does not program in Python; who does may call `TaskList` from the robot's own node.
+"""
+
+import argparse
+from collections.abc import Sequence
+
+import rclpy
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from rclpy.utilities import remove_ros_args
+from std_msgs.msg import String
+
+from mirror_explainer.errors import InputError, told
+from mirror_explainer.node.task_list import LATCHED, TaskList, parsed_tasks
+
+
+class TaskListRobot(Node):
+    """Publishes what `TaskList` does from what it hears on `tasks` (std_msgs/String).
+
+    Each message is the whole list, one task a line, in order, with `done:`, `running:`
+    or `failed:` before those that have begun. An empty one: nothing to do. The parameter
+    `known_tasks` names tasks that the robot may have at other times.
+    """
+
+    def __init__(self) -> None:
+        super().__init__('task_list_robot')
+        known = self.declare_parameter(
+            'known_tasks',
+            Parameter.Type.STRING_ARRAY,
+            ParameterDescriptor(
+                description='all tasks that the robot may ever have', read_only=True
+            ),
+        ).value
+        self._tasks = TaskList(self, known or ())
+        # A volatile publisher is heard by the first, a late start made good by the second.
+        for qos in (QoSProfile(depth=10), LATCHED):
+            self.create_subscription(String, 'tasks', self._on_tasks, qos)
+
+    def _on_tasks(self, message: String) -> None:
+        try:
+            self._tasks.tell(parsed_tasks(message.data))
+        except InputError as error:
+            self.get_logger().error(told(error))
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the node until it is interrupted."""
+    parser = argparse.ArgumentParser(
+        'task_list_robot',
+        description='Tell the explainer the tasks that are heard on the topic "tasks".',
+        epilog="Parameters follow --ros-args: -p known_tasks:='[boil water, fetch the cup]'.",
+    )
+    parser.parse_args(remove_ros_args(args)[1:])
+    rclpy.init(args=args)
+    node = None
+    try:
+        node = TaskListRobot()
+        while rclpy.ok():
+            # Not `spin`: a signal that comes just before it waits would not wake it.
+            rclpy.spin_once(node, timeout_sec=0.2)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except InputError as error:
+        parser.error(told(error))
+    finally:
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()
