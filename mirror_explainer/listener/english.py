@@ -12,6 +12,7 @@ def word_set(words: str) -> frozenset[str]:
     return frozenset(words.split())
 
 
+_FUTURE = re.compile(r"\s*(I will|I'll)\s+", re.IGNORECASE)
 _SUBJECTS = {'i will': ('I am', 'I have'), "i'll": ("I'm", "I've")}
 _ADVERBS = word_set('then now first next also again soon just still both finally')
 # What stands after a verb, and hardly after a noun that "and" adds to another.
@@ -63,7 +64,7 @@ def other_tenses(future: str) -> tuple[str, str] | None:
     None where the sentence does not begin with "I will" and a verb, or where it cannot be
     told whether a word after an "and" is another verb ("I will take the cup and plate.").
     """
-    begin = re.match(r"\s*(I will|I'll)\s+", future, re.IGNORECASE)
+    begin = _FUTURE.match(future)
     if not begin:
         return None
     words = future[begin.end() :].split()
@@ -81,6 +82,12 @@ def other_tenses(future: str) -> tuple[str, str] | None:
             present[place] = words[place].replace(verb, present_participle(verb), 1)
             past[place] = words[place].replace(verb, past_participle(verb), 1)
     return ' '.join([subjects[0], *present]), ' '.join([subjects[1], *past])
+
+
+def inability(future: str) -> str | None:
+    """Return "I cannot grab it." for "I will grab it.", None for other sentences."""
+    begin = _FUTURE.match(future)
+    return f'I cannot {future[begin.end() :]}' if begin else None
 
 
 def _verbs_of(words: list[str]) -> list[int]:

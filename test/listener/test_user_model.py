@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task
@@ -305,6 +306,57 @@ FAULTS = {
         2,
         'sentences.grab: this should be the sentence as a text, or a mapping with "template" and ',
     ),
+    'a misspelt tense': (
+        GOAL + 'sentences:\n  grab: {future: x, psat: y}',
+        3,
+        'sentences.grab.psat: unknown key (did you mean "past"?)',
+    ),
+    'a misspelt tense of a wording': (
+        GOAL + 'sentences:\n  grab:\n    template: {futur: x}',
+        None,
+        '2 faults: line 4: sentences.grab.template.futur: unknown key (did you mean "future"?)',
+    ),
+    'a past alone': (
+        GOAL + 'sentences:\n  grab: {past: x}',
+        3,
+        'sentences.grab: give either "template", or "future" here',
+    ),
+    'two sentences': (
+        GOAL + 'sentences:\n  grab: {template: x, future: y}',
+        3,
+        'sentences.grab: give either "template", or "future" here',
+    ),
+    'a wording for a type that there is not': (
+        GOAL + 'sentences:\n  grab:\n    template: x\n    when: {i: {type items: y}}',
+        5,
+        'sentences.grab.when.i.type items: the domain has no type "items" (did you mean "item"?)',
+    ),
+    'a past that names no parameter': (
+        GOAL + 'sentences: {grab: {future: x, past: "{item}"}}',
+        2,
+        'sentences.grab: "{item}": {item} is no parameter of the action (it has i, r)',
+    ),
+    'a misspelt phrase': (
+        GOAL + 'phrases:\n  reched: Done.',
+        3,
+        'phrases.reched: unknown phrase (did you mean "reached"?)',
+    ),
+    'a phrase that is no text': (
+        GOAL + 'phrases: {no_plan: [x]}',
+        2,
+        'phrases.no_plan: this should be a valid string',
+    ),
+    'a blank phrase': (GOAL + 'phrases: {no_plan: " "}', 2, 'phrases.no_plan: this text is blank'),
+    'a phrase that lacks what it is about': (
+        GOAL + 'phrases: {failed: Oops.}',
+        2,
+        'phrases.failed: "Oops." lacks {step}',
+    ),
+    'a phrase with a place that it has not': (
+        GOAL + 'phrases: {reached: "{goal} is done."}',
+        2,
+        'phrases.reached: "{goal} is done.": {goal} has no place here',
+    ),
     'a blank template': (
         GOAL + 'sentences: {grab: {template: ""}}',
         2,
@@ -521,3 +573,24 @@ def _check_sound(model: UserModel) -> None:
         assert all(ATOM.fullmatch(fact) for fact in group)
     assert 0 <= model.rationality < math.inf
     assert 0 <= model.unlisted_goal_probability < 1
+
+
+def test_sentences_in_tenses_types_and_phrases_are_read(read_model) -> None:
+    model = read_model(
+        GOAL
+        + """
+sentences:
+  exit: {future: "Ich gehe.", past: "Ich bin gegangen.", when: {d: {type Door: "Raus!"}}}
+  move: {template: {future: "Los nach {b}.", present: "Unterwegs nach {b}."}}
+phrases: {reached: "Fertig.", and: und, new_task: "", already: "Schon: {sentence}"}
+"""
+    )
+
+    assert model.templates == {
+        'exit': Template(
+            Wording('Ich gehe.', past='Ich bin gegangen.'), {'d': {'type door': Wording('Raus!')}}
+        ),
+        'move': Template(Wording('Los nach {b}.', present='Unterwegs nach {b}.')),
+    }
+    phrases = Phrases(reached='Fertig.', and_='und', new_task='', already='Schon: {sentence}')
+    assert model.phrases == phrases

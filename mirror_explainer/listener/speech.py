@@ -1,0 +1,71 @@
+"""An answer as a person hears it: steps in their tenses, like ones in one breath."""
+
+from collections.abc import Sequence
+
+from mirror_explainer.listener.english import inability
+from mirror_explainer.listener.sentences import Said, Sentences
+from mirror_explainer.listener.wording import StepStatus, parts
+
+# What stands before each of several objects: "the cup and the plate".
+_ARTICLES = frozenset(['the', 'a', 'an', 'my', 'your'])
+
+
+def spoken(sentences: Sentences, steps: Sequence[tuple[str, StepStatus]]) -> str:
+    """Return the text for the steps of an answer, ground actions in plan order; a sentence a line.
+
+    Neighbours of one tense that differ in one object become one sentence: "I will photograph
+    the bridge, the tower and the lock."
+    """
+    groups: list[list[Said]] = []
+    last: StepStatus | None = None
+    for action, status in steps:
+        said = sentences.worded(action, status)
+        if status is last and _differing([*groups[-1], said]):
+            groups[-1].append(said)
+        else:
+            groups.append([said])
+        last = status
+    return '\n'.join(_together(group, sentences.phrases.and_) for group in groups)
+
+
+def reached(sentences: Sentences, achieved: Sequence[str]) -> str:
+    """Return what is said when nothing is left to do; `achieved` are the steps that did it."""
+    told = spoken(sentences, [(action, StepStatus.DONE) for action in achieved])
+    return '\n'.join(filter(None, (told, sentences.phrases.reached)))
+
+
+def stuck(sentences: Sentences, failed: str) -> str:
+    """Return what is said when a step, a ground action, failed."""
+    sentence = sentences.of(failed)
+    return sentences.phrases.failed.replace('{step}', inability(sentence) or sentence)
+
+
+def _differing(group: Sequence[Said]) -> str:
+    """Return the one parameter in which the steps of a group differ; '' if they are not alike.
+
+    It must stand in their sentence once, and not at its beginning: that would be its
+    subject, and several need another verb ("{i} is next.").
+    """
+    text, places = group[0].text, [place for _, place in parts(group[0].text)]
+    if any(said.text != text for said in group):
+        return ''
+    differing = {p for p in places if p and len({said.called[p] for said in group}) > 1}
+    if len(differing) != 1:
+        return ''
+    (parameter,) = differing
+    called = [said.called[parameter] for said in group]
+    once = places.count(parameter) == 1 and len(set(called)) == len(called)
+    return parameter if once and next(parts(text))[0].strip() else ''
+
+
+def _together(group: Sequence[Said], conjunction: str) -> str:
+    """Return one sentence for a group of steps."""
+    if len(group) == 1:
+        return group[0].sentence
+    parameter = _differing(group)
+    before = next(text for text, place in parts(group[0].text) if place == parameter).split()
+    article = f'{before[-1]} ' if before and before[-1] in _ARTICLES else ''
+    first, *others = [said.called[parameter] for said in group]
+    *middle, last = [article + called for called in others]
+    listed = f'{", ".join([first, *middle])} {conjunction} {last}'
+    return Said(group[0].text, {**group[0].called, parameter: listed}).sentence

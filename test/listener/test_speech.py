@@ -1,0 +1,98 @@
+"""Answers as they are spoken: several steps in one sentence, and the phrases beside them."""
+
+import pytest
+
+from mirror_explainer.listener.phrases import Phrases
+from mirror_explainer.listener.sentences import Sentences
+from mirror_explainer.listener.speech import reached, spoken, stuck
+from mirror_explainer.listener.wording import StepStatus, Template, Wording
+
+AHEAD, RUNNING, DONE = StepStatus.AHEAD, StepStatus.RUNNING, StepStatus.DONE
+PARAMETERS = {'shoot': ('t',), 'bring': ('i', 'r'), 'swap': ('i', 'j'), 'wait': (), 'next': ('i',)}
+WORDINGS = {
+    'shoot': Wording('I will photograph the {t}.'),
+    'bring': Wording('I will bring the {i} to the {r}.'),
+    'swap': Wording('I will swap the {i} for {i} and {j}.'),
+    'wait': Wording('I will wait.'),
+    'next': Wording('{i} is next.'),
+}
+TEMPLATES = {name: Template(wording) for name, wording in WORDINGS.items()}
+
+
+def sentences(**phrases: str) -> Sentences:
+    return Sentences(PARAMETERS, TEMPLATES, phrases=Phrases(**phrases))
+
+
+def ahead(*actions: str) -> list[tuple[str, StepStatus]]:
+    return [(action, AHEAD) for action in actions]
+
+
+@pytest.mark.parametrize(
+    ('steps', 'text'),
+    [
+        (ahead(), ''),
+        (ahead('(wait)'), 'I will wait.'),
+        (
+            ahead('(shoot mill)', '(shoot bridge)'),
+            'I will photograph the mill and the bridge.',
+        ),
+        (
+            ahead('(shoot mill)', '(shoot lock)', '(shoot bridge)', '(wait)'),
+            'I will photograph the mill, the lock and the bridge.\nI will wait.',
+        ),
+        # Order is kept: what is not a neighbour is not drawn to the front.
+        (
+            ahead('(shoot mill)', '(wait)', '(shoot bridge)'),
+            'I will photograph the mill.\nI will wait.\nI will photograph the bridge.',
+        ),
+        # The cup and the pan go to one room, the jug to another.
+        (
+            ahead('(bring cup hall)', '(bring pan hall)', '(bring jug lab)', '(bring jug bar)'),
+            'I will bring the cup and the pan to the hall.\n'
+            'I will bring the jug to the lab and the bar.',
+        ),
+        # Two objects differ, or one that stands in the sentence twice, or is its subject.
+        (
+            ahead('(bring cup hall)', '(bring pan lab)'),
+            'I will bring the cup to the hall.\nI will bring the pan to the lab.',
+        ),
+        (
+            ahead('(swap a c)', '(swap b c)'),
+            'I will swap the a for a and c.\nI will swap the b for b and c.',
+        ),
+        (ahead('(next a)', '(next b)'), 'a is next.\nb is next.'),
+        # Each tense for itself.
+        (
+            [
+                ('(shoot a)', DONE),
+                ('(shoot b)', DONE),
+                ('(shoot c)', RUNNING),
+                ('(shoot d)', AHEAD),
+            ],
+            'I have photographed the a and the b.\nI am photographing the c.\n'
+            'I will photograph the d.',
+        ),
+    ],
+)
+def test_neighbours_that_differ_in_one_object_are_one_sentence(
+    steps: list[tuple[str, StepStatus]], text: str
+) -> None:
+    assert spoken(sentences(), steps) == text
+
+
+def test_the_word_between_objects_can_be_set() -> None:
+    assert spoken(sentences(and_='und'), ahead('(shoot mill)', '(shoot lock)')) == (
+        'I will photograph the mill und the lock.'
+    )
+
+
+def test_a_robot_at_its_goal_says_what_it_achieved() -> None:
+    assert reached(sentences(), ['(bring cup hall)']) == (
+        'I have brought the cup to the hall.\nI am done.'
+    )
+    assert reached(sentences(reached='That is all.'), []) == 'That is all.'
+
+
+def test_a_robot_that_is_stuck_says_with_what() -> None:
+    assert stuck(sentences(), '(shoot mill)') == 'I am stuck: I cannot photograph the mill.'
+    assert stuck(sentences(failed='Help! {step}'), '(next a)') == 'Help! a is next.'
