@@ -45,6 +45,7 @@ setup(
         'test': [
             'axe-playwright-python',
             'hypothesis',
+            'import-linter',
             'mypy',
             'playwright',
             'psutil',

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.offline import (
     add_file_arguments,
     add_planning_arguments,
@@ -19,7 +20,6 @@ from mirror_explainer.commands.offline import (
 )
 from mirror_explainer.commands.options import number
 from mirror_explainer.errors import InputError, PlanningError, told
-from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.selection.algorithm import informative_order
 from mirror_explainer.selection.columns import TIE
@@ -47,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.output:
             # Not before the extras are known to be there.
             from mirror_explainer.commands.compare_figure import comparison_figure
-            from mirror_explainer.experiments.figures import save
+            from mirror_explainer.commands.figures import save
 
             path = options.output.with_suffix('') if _is_image(options.output) else options.output
             png, svg = save(comparison_figure(model, curves, LEVELS), path)

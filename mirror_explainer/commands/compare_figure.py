@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from mirror_explainer.experiments.figures import STRATEGY_STYLES, draw_curve
+from mirror_explainer.commands.figures import STRATEGY_STYLES, draw_curve
 from mirror_explainer.listener.mirror_model import MirrorModel
 
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.experiments.study.scenarios import Floor, floor
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 
@@ -30,8 +29,3 @@ def read_warehouse() -> tuple[Task, UserModel]:
         str(problem),
     )
     return task, read_user_model(folder / 'user_model.yaml', task)
-
-
-def read_floor() -> Floor:
-    """Read the floor that the scenarios of the user study take place on."""
-    return floor(*read_warehouse())

@@ -94,7 +94,7 @@ def test_bad_input_is_told_with_its_cure(tmp_path, capsys):
 
 
 def test_a_missing_extra_is_named_with_the_way_to_install_it(monkeypatch, capsys):
-    from mirror_explainer import extras
+    from mirror_explainer.commands import extras
 
     monkeypatch.setattr(extras, 'find_spec', lambda name: None)
 
@@ -104,7 +104,7 @@ def test_a_missing_extra_is_named_with_the_way_to_install_it(monkeypatch, capsys
 
 
 def test_help_needs_no_extras(monkeypatch):
-    from mirror_explainer import extras
+    from mirror_explainer.commands import extras
 
     monkeypatch.setattr(extras, 'find_spec', lambda name: None)
 

@@ -286,7 +286,7 @@ def test_wrong_arguments_end_with_one_sentence(
 
 
 def test_a_missing_extra_is_named_with_the_way_to_install_it(dataset, monkeypatch, capsys):
-    from mirror_explainer import extras
+    from mirror_explainer.commands import extras
 
     monkeypatch.setattr(extras, 'find_spec', lambda name: None if name == 'pandas' else name)
 

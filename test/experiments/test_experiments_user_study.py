@@ -38,7 +38,7 @@ from mirror_explainer.experiments.study.statistics import (  # noqa: E402
     reached_at,
 )
 from mirror_explainer.experiments.study.user_study import main  # noqa: E402
-from mirror_explainer.experiments.warehouse_files import read_floor  # noqa: E402
+from mirror_explainer.experiments.study.warehouse_floor import read_floor  # noqa: E402
 from mirror_explainer.explainer import robot_plan  # noqa: E402
 from mirror_explainer.planning import Planner  # noqa: E402
 from mirror_explainer.settings import STRATEGIES  # noqa: E402

@@ -9,6 +9,7 @@ from mirror_explainer.experiments.study.design import assignment, presentation_o
 from mirror_explainer.experiments.study.participants import Noise, simulate
 from mirror_explainer.experiments.study.plans import plan_scenario
 from mirror_explainer.experiments.study.scenarios import scenarios
+from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.experiments.study.web_study.design import (
     PRACTICE,
     Choice,
@@ -24,7 +25,6 @@ from mirror_explainer.experiments.study.web_study.design import (
     turns,
 )
 from mirror_explainer.experiments.study.web_study.drawing import HEIGHT, WIDTH, drawing
-from mirror_explainer.experiments.warehouse_files import read_floor
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
 from mirror_explainer.settings import STRATEGIES

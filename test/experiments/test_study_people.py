@@ -29,7 +29,7 @@ from mirror_explainer.experiments.study.plans import plan_scenarios  # noqa: E40
 from mirror_explainer.experiments.study.report import results  # noqa: E402
 from mirror_explainer.experiments.study.scenarios import scenarios  # noqa: E402
 from mirror_explainer.experiments.study.statistics import answer_table  # noqa: E402
-from mirror_explainer.experiments.warehouse_files import read_floor  # noqa: E402
+from mirror_explainer.experiments.study.warehouse_floor import read_floor  # noqa: E402
 
 SCENARIOS, SEED = 3, 109
 

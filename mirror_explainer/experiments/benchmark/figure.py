@@ -3,7 +3,7 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from mirror_explainer.experiments.figures import STRATEGY_STYLES, draw_curve, percent_axis
+from mirror_explainer.commands.figures import STRATEGY_STYLES, draw_curve, percent_axis
 
 _ROWS = (
     ('G_inf', 'told less than by\ninformative: $G_{\\mathrm{inf}}$ (nats)'),

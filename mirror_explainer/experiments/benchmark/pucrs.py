@@ -17,6 +17,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.experiments.benchmark.dataset import (
@@ -26,7 +27,6 @@ from mirror_explainer.experiments.benchmark.dataset import (
     read_instance,
 )
 from mirror_explainer.experiments.benchmark.protocol import Settings, run_instance
-from mirror_explainer.extras import MissingExtras, require_extras
 
 # In the order of the paper's figure, by the names of the data set's folders.
 PAPER_DOMAINS = (

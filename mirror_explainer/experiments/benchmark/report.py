@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from mirror_explainer.commands.figures import save
 from mirror_explainer.experiments.benchmark.averages import (
     at_percents,
     averages,
@@ -15,7 +16,6 @@ from mirror_explainer.experiments.benchmark.averages import (
 from mirror_explainer.experiments.benchmark.figure import benchmark_figure
 from mirror_explainer.experiments.benchmark.findings import Finding, findings
 from mirror_explainer.experiments.benchmark.protocol import UNCERTAIN_FACTS
-from mirror_explainer.experiments.figures import save
 from mirror_explainer.experiments.markdown import markdown_table
 
 _FLOATS = '%.12g'

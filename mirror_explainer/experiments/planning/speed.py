@@ -16,6 +16,7 @@ from random import Random
 from unified_planning.shortcuts import OneshotPlanner, get_environment
 
 from mirror_explainer import pddl
+from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.experiments.benchmark.dataset import listed_locations
@@ -35,7 +36,6 @@ from mirror_explainer.experiments.planning.speed_tables import (
     hard_table,
     table,
 )
-from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 
 _FACTS, _MANY_FACTS = 4, 8

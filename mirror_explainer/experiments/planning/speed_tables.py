@@ -83,7 +83,7 @@ def draw(rows: Sequence[Row], path: Path) -> None:
     """Draw every instance's seconds, one call a belief beside ours, as PNG and SVG."""
     from matplotlib.figure import Figure
 
-    from mirror_explainer.experiments.figures import save
+    from mirror_explainer.commands.figures import save
 
     figure = Figure(figsize=(7.5, 3.6), layout='constrained')
     axes = figure.subplots()

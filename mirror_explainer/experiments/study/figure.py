@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mirror_explainer.experiments.figures import STRATEGY_STYLES, draw_curve, percent_axis
+from mirror_explainer.commands.figures import STRATEGY_STYLES, draw_curve, percent_axis
 from mirror_explainer.experiments.study.statistics import MEASURES
 
 HEADLINE = 0.85

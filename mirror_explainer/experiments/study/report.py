@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from mirror_explainer.experiments.figures import save
+from mirror_explainer.commands.figures import save
 from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.experiments.study.design import PEOPLE
 from mirror_explainer.experiments.study.figure import HEADLINE, study_figure

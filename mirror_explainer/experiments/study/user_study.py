@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.experiments.study.design import GROWTHS, Answer, assignment
@@ -16,8 +17,7 @@ from mirror_explainer.experiments.study.plans import (
     plan_scenarios,
 )
 from mirror_explainer.experiments.study.scenarios import scenarios
-from mirror_explainer.experiments.warehouse_files import read_floor
-from mirror_explainer.extras import MissingExtras, require_extras
+from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.web.address import add_address_arguments, address
 
 

@@ -29,8 +29,8 @@ from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.errors import InputError, told
-from mirror_explainer.extras import MissingExtras, require_extras
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.operator.heard import (
     SETTINGS,

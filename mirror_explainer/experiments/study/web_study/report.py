@@ -14,13 +14,13 @@ from mirror_explainer.experiments.study.plans import plan_scenarios
 from mirror_explainer.experiments.study.report import results, write_report
 from mirror_explainer.experiments.study.scenarios import scenarios
 from mirror_explainer.experiments.study.statistics import answer_table
+from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.experiments.study.web_study.database import open_database
 from mirror_explainer.experiments.study.web_study.design import (
     SIMULATED_PARTICIPANTS,
     Design,
     encounter,
 )
-from mirror_explainer.experiments.warehouse_files import read_floor
 
 
 def export(file: Path, folder: Path) -> None:

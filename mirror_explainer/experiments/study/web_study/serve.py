@@ -6,9 +6,9 @@ from pathlib import Path
 from mirror_explainer.errors import InputError
 from mirror_explainer.experiments.study.plans import plan_scenario, plan_scenarios
 from mirror_explainer.experiments.study.scenarios import scenarios
+from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.experiments.study.web_study.database import open_database
 from mirror_explainer.experiments.study.web_study.design import Design, design, practice_scenario
-from mirror_explainer.experiments.warehouse_files import read_floor
 from mirror_explainer.planning import Planner
 from mirror_explainer.web.address import Address
 from mirror_explainer.web.serving import serve
