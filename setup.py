@@ -42,6 +42,7 @@ setup(
     extras_require={
         'experiments': ['matplotlib>=3.7', 'pandas', 'scipy', 'tabulate', 'tqdm'],
         'web': ['Django>=5.2,<6', 'django-htmx>=1.29', 'waitress>=3', 'whitenoise>=6.9'],
+        'docs': ['furo', 'myst-parser', 'sphinx', 'sphinxcontrib-mermaid'],
         'test': [
             'axe-playwright-python',
             'hypothesis',
