@@ -37,3 +37,10 @@ def fluents_in(*expressions: up.FNode) -> set[up.Fluent]:
     return {
         atom.fluent() for e in expressions for atom in e.environment.free_vars_extractor.get(e)
     }
+
+
+def effects_in(action: up.Action) -> list[up.Effect]:
+    """Return all effects of an action, whenever they happen."""
+    if isinstance(action, up.DurativeAction):
+        return [effect for timed in action.effects.values() for effect in timed]
+    return list(action.effects)

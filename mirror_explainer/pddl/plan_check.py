@@ -11,7 +11,7 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.simulation import Failure, Run, carry_out
-from mirror_explainer.pddl.states import Evaluator, UnknownNumberError
+from mirror_explainer.pddl.states import Evaluator, State, UnknownNumberError
 from mirror_explainer.pddl.task import Task
 from mirror_explainer.pddl.text.size import instances
 
@@ -49,6 +49,22 @@ def check_plan(
     lacks, or the goal that the plan does not reach; or says that there is more to
     check than the limits allow.
     """
+    run, fault = tried(task, steps, source, limits)
+    if fault:
+        raise fault
+    return run
+
+
+def tried(
+    task: Task,
+    steps: Sequence[Step],
+    source: str = 'plan',
+    limits: InputLimits | None = None,
+) -> tuple[Run, InputError | None]:
+    """Carry out the plan; return how it goes, and what is wrong if it does not reach the goal.
+
+    Raises InputError for a plan that cannot even be tried.
+    """
     require_fitting(task.model, steps, source)
     if limits:
         count = instances(task.model, [task.model.action(step.words[0]) for step in steps])
@@ -60,9 +76,8 @@ def check_plan(
     try:
         run = carry_out(task, steps, evaluator=evaluator)
         if run.failure:
-            raise _refusal(steps, run.failure, source)
-        last = run.passed[-1]
-        missing = [goal for goal in task.model.goals if not evaluator.holds(goal, last)]
+            return run, _refusal(steps, run.failure, source)
+        missing = missing_goals(task, run.passed[-1], evaluator)
     except UnknownNumberError as error:
         raise InputError(
             source,
@@ -75,8 +90,13 @@ def check_plan(
         raise InputError(source, 'its cost is too large a number') from error
     if missing:
         reason = f'the plan does not reach the goal: {_conditions(missing)}'
-        raise InputError(source, reason, cure=_NOT_CURRENT)
-    return run
+        return run, InputError(source, reason, cure=_NOT_CURRENT)
+    return run, None
+
+
+def missing_goals(task: Task, state: State, evaluator: Evaluator) -> list[FNode]:
+    """Return the parts of the task's goal that do not hold in a state."""
+    return [goal for goal in task.model.goals if not evaluator.holds(goal, state)]
 
 
 def require_fitting(model: up.Problem, steps: Sequence[Step], source: str) -> None:

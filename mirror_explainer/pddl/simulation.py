@@ -1,11 +1,7 @@
-"""A plan carried out in time: its steps' starts and ends, one after the other.
-
-What an action with a duration needs and does at its start, all the while, and at
-its end is as in PDDL 2.1. An action without one starts and ends at once.
-"""
+"""A plan carried out in time: the states that its steps' starts and ends lead through."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -16,19 +12,10 @@ from unified_planning.model.metrics import (
     MinimizeExpressionOnFinalState,
 )
 
-from mirror_explainer.pddl.atoms import conjuncts
+from mirror_explainer.pddl.happenings import GroundStep, Happening, ground, orders
 from mirror_explainer.pddl.plan_text import Step
-from mirror_explainer.pddl.states import Binding, ConflictError, Evaluator, State
+from mirror_explainer.pddl.states import ConflictError, Evaluator, State
 from mirror_explainer.pddl.task import Task
-
-
-@dataclass(frozen=True)
-class Happening:
-    """A step, by its position in the plan, starts or ends, or does both at once."""
-
-    step: int
-    starts: bool = True
-    ends: bool = True
 
 
 @dataclass(frozen=True)
@@ -61,69 +48,6 @@ class Run:
     failure: Failure | None = None
 
 
-class GroundStep:
-    """A step of a plan: what it needs and does, when, and with which objects."""
-
-    def __init__(self, model: up.Problem, step: Step) -> None:
-        self.action = model.action(step.words[0])
-        self.objects = step.words[1:]
-        self.binding: Binding = dict(
-            zip((p.name for p in self.action.parameters), self.objects, strict=True)
-        )
-        self.lasts = isinstance(self.action, up.DurativeAction)
-
-    def conditions(self, happening: Happening) -> list[up.FNode]:
-        """Return what must hold when the step starts, or ends."""
-        if not self.lasts:
-            return list(self.action.preconditions)
-        return self._conditions(up.StartTiming() if happening.starts else up.EndTiming())
-
-    @property
-    def invariants(self) -> list[up.FNode]:
-        """What must hold between start and end."""
-        if not self.lasts:
-            return []
-        return [
-            condition
-            for interval, conditions in self.action.conditions.items()
-            if interval.lower != interval.upper
-            for condition in conditions
-        ]
-
-    def effects(self, happening: Happening) -> list[up.Effect]:
-        """Return what the step does when it starts, or ends."""
-        if not self.lasts:
-            return list(self.action.effects)
-        timing = up.StartTiming() if happening.starts else up.EndTiming()
-        return list(self.action.effects.get(timing, ()))
-
-    def lacking(
-        self, conditions: Sequence[up.FNode], state: State, evaluator: Evaluator
-    ) -> tuple[up.FNode, ...]:
-        """Return the ground conditions, each without "and", that do not hold in the state."""
-        return tuple(
-            part.substitute(
-                {
-                    p: self.action.environment.expression_manager.auto_promote(
-                        evaluator.model.object(self.binding[p.name])
-                    )[0]
-                    for p in self.action.parameters
-                }
-            )
-            for condition in conditions
-            for part in conjuncts(condition)
-            if not evaluator.holds(part, state, self.binding)
-        )
-
-    def _conditions(self, timing: up.Timing) -> list[up.FNode]:
-        return [
-            condition
-            for interval, conditions in self.action.conditions.items()
-            if interval.lower == interval.upper == timing
-            for condition in conditions
-        ]
-
-
 def carry_out(
     task: Task,
     steps: Sequence[Step],
@@ -137,59 +61,33 @@ def carry_out(
     for what cannot be worked out, InputError for derived facts that take too long.
     """
     evaluator = evaluator or Evaluator(task)
-    given = [GroundStep(evaluator.model, step) for step in steps]
+    given = ground(evaluator, steps)
     start = evaluator.first_state() if state is None else state
-    in_turn = [[h] for position, step in enumerate(given) for h in _happenings(position, step)]
-    run = _carried_out(task, given, _in_time(steps, given) or in_turn, start, evaluator)
-    if run.failure is None:
-        return run
-    alone = _carried_out(task, given, in_turn, start, evaluator)
-    return run if alone.failure else alone
+    runs = (
+        happen(task, given, happenings, start, evaluator) for happenings in orders(steps, given)
+    )
+    first = next(runs)
+    return first if first.failure is None else next((r for r in runs if not r.failure), first)
 
 
-def _happenings(position: int, step: GroundStep) -> list[Happening]:
-    """Return the happenings of a step that is carried out alone."""
-    if not step.lasts:
-        return [Happening(position)]
-    return [Happening(position, ends=False), Happening(position, starts=False)]
-
-
-def _in_time(steps: Sequence[Step], given: Sequence[GroundStep]) -> list[list[Happening]]:
-    """Return what happens at each moment, in order, [] where some times are not given.
-
-    At one moment what ends comes before what starts.
-    """
-    timed: list[tuple[float, bool, int, Happening]] = []
-    for position, (step, ground) in enumerate(zip(steps, given, strict=True)):
-        for happening in _happenings(position, ground):
-            time = step.start if happening.starts else step.end
-            if time is None or step.start is None:
-                return []
-            late = happening.starts or round(time, 6) == round(step.start, 6)
-            timed.append((round(time, 6), late, position, happening))
-    timed.sort(key=lambda entry: entry[:3])
-    return [
-        [happening for *_, happening in moment]
-        for _, moment in itertools.groupby(timed, key=lambda entry: entry[0])
-    ]
-
-
-def _carried_out(
+def happen(
     task: Task,
     steps: Sequence[GroundStep],
-    moments: Sequence[Sequence[Happening]],
+    happenings: Sequence[Happening],
     state: State,
     evaluator: Evaluator,
+    going: Collection[int] = (),
 ) -> Run:
-    """Let happen what happens at each moment, up to what fails."""
-    happenings: list[Happening] = []
+    """Let things happen from a state in which the steps `going` go on, up to what fails."""
+    happened: list[Happening] = []
     passed, states = [state], [state]
-    going: dict[int, dict[str, bool | Fraction]] = {}  # what each step has changed so far
+    # What each step that goes on has changed so far.
+    changed: dict[int, dict[str, bool | Fraction]] = {position: {} for position in going}
     positions: list[int] = []
     cost = _Cost(task, evaluator)
 
     def failure() -> Failure | None:
-        for moment in moments:
+        for _, moment in itertools.groupby(happenings, key=lambda happening: happening.moment):
             for happening in moment:
                 step, state = steps[happening.step], passed[-1]
                 when = '' if happening.starts else ' when it ends'
@@ -202,14 +100,14 @@ def _carried_out(
                     return Failure(happening.step, when, ())
                 if happening.starts:
                     cost.add(step, state)
-                    going[happening.step] = {}
-                going[happening.step] |= changes
-                happenings.append(happening)
+                    changed[happening.step] = {}
+                changed[happening.step] |= changes
+                happened.append(happening)
                 passed.append(state.after(changes))
                 if happening.ends:
-                    states.append(states[-1].after(going.pop(happening.step)))
+                    states.append(states[-1].after(changed.pop(happening.step)))
                     positions.append(happening.step)
-            for position in going:
+            for position in changed:
                 step = steps[position]
                 lacking = step.lacking(step.invariants, passed[-1], evaluator)
                 if lacking:
@@ -218,7 +116,7 @@ def _carried_out(
 
     failed = failure()
     return Run(
-        tuple(happenings),
+        tuple(happened),
         tuple(passed),
         tuple(states),
         tuple(positions),

@@ -14,9 +14,9 @@ from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import Preparation, explain, prepare, robot_plan
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, atom_text, fluent_expression, ground_text, read_task
+from mirror_explainer.pddl.happenings import Happening
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import read_plan
-from mirror_explainer.pddl.simulation import Happening
 from mirror_explainer.planning import Planner
 
 # A robot that must be charged before it moves: moving takes as long as it is far.

@@ -5,7 +5,6 @@ of the domain, and what they define are plain predicates; here the axioms become
 rules of Datalog, by which every state has its derived facts.
 """
 
-import itertools
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from typing import Any
 import unified_planning.model as up
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.pddl.atoms import effects_in
 from mirror_explainer.pddl.derived.axiom_rules import Axiom, AxiomRules, is_made_up
 from mirror_explainer.pddl.derived.datalog import Fact, Rule, UnstratifiedError, layers, reached
 from mirror_explainer.pddl.expressions import Expressions, nested_words
@@ -130,7 +130,7 @@ def _axiom(model: up.Problem, words: Any, source: str) -> Axiom:
 def _require_derived_only(names: frozenset[str], model: up.Problem, texts: Texts) -> None:
     """Raise InputError if an action, or the initial state, sets a derived fact."""
     for action in model.actions:
-        for effect in _effects(action):
+        for effect in effects_in(action):
             if effect.fluent.fluent().name in names:
                 own = rf'\(\s*:\S*action\s+{re.escape(action.name)}(?![\w-])'
                 raise InputError(
@@ -147,9 +147,3 @@ def _require_derived_only(names: frozenset[str], model: up.Problem, texts: Texts
                 f'"{name}" is derived, so it cannot be among the initial facts',
                 line_of(rf'\(\s*{re.escape(name)}(?![\w-])', texts.problem),
             )
-
-
-def _effects(action: up.Action) -> list[up.Effect]:
-    if isinstance(action, up.DurativeAction):
-        return [*itertools.chain.from_iterable(action.effects.values())]
-    return [*action.effects]

@@ -18,6 +18,11 @@ class DerivedFacts:
         self._basis: dict[str, frozenset[str]] = {}
         self._known: dict[tuple[str, frozenset[str]], frozenset[str]] = {}
 
+    @property
+    def names(self) -> frozenset[str]:
+        """The predicates that are derived."""
+        return self._axioms.names if self._axioms else frozenset()
+
     def hold(self, atom: str, facts: frozenset[str]) -> bool:
         """Say whether the atom is derived, and holds.
 

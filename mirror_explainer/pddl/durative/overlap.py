@@ -8,7 +8,7 @@ its end (a match that burns), or itself waits for something that others do.
 
 import unified_planning.model as up
 
-from mirror_explainer.pddl.atoms import fluents_in
+from mirror_explainer.pddl.atoms import effects_in, fluents_in
 from mirror_explainer.pddl.derived.axioms import Axioms
 from mirror_explainer.pddl.durative.durative import as_literal, effects_of, later_conditions
 
@@ -21,10 +21,7 @@ def may_need_overlap(model: up.Problem, axioms: Axioms | None) -> bool:
     """Say whether a task, with its durative actions, may have no plan but with overlap."""
     needs = {need for action in model.actions for need in _needs(action, axioms)}
     changed = {
-        fluent
-        for action in model.actions
-        for effect in _effects(action)
-        for fluent in (effect.fluent.fluent().name,)
+        effect.fluent.fluent().name for action in model.actions for effect in effects_in(action)
     }
     for action in model.actions:
         if not isinstance(action, up.DurativeAction):
@@ -41,7 +38,7 @@ def may_need_overlap(model: up.Problem, axioms: Axioms | None) -> bool:
 
 def _needs(action: up.Action, axioms: Axioms | None) -> set[_Need]:
     """Return what conditions of the action, and of its effects, look at."""
-    conditions = [effect.condition for effect in _effects(action)]
+    conditions = [effect.condition for effect in effects_in(action)]
     if isinstance(action, up.DurativeAction):
         conditions += [part for parts in action.conditions.values() for part in parts]
     else:
@@ -65,14 +62,6 @@ def _changes(effect: up.Effect) -> set[_Need]:
     if effect.value.is_bool_constant():
         return {(name, effect.value.is_true())}
     return {(name, True), (name, False)}
-
-
-def _effects(action: up.Action) -> list[up.Effect]:
-    return (
-        [effect for timed in action.effects.values() for effect in timed]
-        if isinstance(action, up.DurativeAction)
-        else list(action.effects)
-    )
 
 
 def _basis(fluents: set[up.Fluent], axioms: Axioms | None) -> frozenset[str]:

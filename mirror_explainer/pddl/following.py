@@ -1,0 +1,84 @@
+"""Whether a later state and plan go on with an episode, and how far the plan then is."""
+
+from collections.abc import Collection, Sequence
+
+from mirror_explainer.pddl.episode import Episode, goal_of, outcome
+from mirror_explainer.pddl.happenings import ground
+from mirror_explainer.pddl.plan_check import tried
+from mirror_explainer.pddl.plan_text import Step
+from mirror_explainer.pddl.progress import Progress, StepStatus
+from mirror_explainer.pddl.states import Evaluator, State
+from mirror_explainer.pddl.task import Task
+
+
+def follow(
+    episode: Episode,
+    state: State,
+    known: Progress,
+    remaining: Sequence[Step] | None = None,
+    uncertain: Collection[str] = (),
+    task: Task | None = None,
+) -> Progress | None:
+    """Return the progress that a later state shows, None if it is not one of the episode.
+
+    `remaining` is the plan that came with it, if any: what is left of the episode's, or all
+    of it. Of several places in the plan that the state fits, the last is taken, and
+    none before what was `known`. The `task` with that state tells, where numbers are other
+    ones than planned, whether the rest of the plan still works, and whether what remains is
+    a plan of its own.
+    """
+    if task and goal_of(task) != episode.goal:
+        return None
+    left = None if remaining is None else _left(episode, remaining)
+    if remaining is not None and left is None:
+        return None
+    found = []
+    for count in range(len(episode.run.passed)):
+        progress = Progress.after(episode.run.happenings, count)
+        if progress.done < known.done:
+            continue
+        agrees = episode.agrees(state, count, uncertain)
+        if agrees is None:  # but for numbers
+            agrees = task is not None and _rest_works(episode, task, count, state)
+        if agrees:
+            found.append(progress)
+    fitting = [progress for progress in found if left is None or _fits(progress, left)]
+    if not fitting and task and remaining is not None:
+        _, fault = tried(task, remaining)
+        if fault is None:
+            return None
+    return next(reversed(fitting or found), None)
+
+
+def _left(episode: Episode, remaining: Sequence[Step]) -> frozenset[int] | None:
+    """Return the positions of the remaining steps, as late as they can be, in the plan.
+
+    None if these are not its steps in its order.
+    """
+    positions, place = set[int](), len(episode.steps)
+    for step in reversed(remaining):
+        place = next(
+            (p for p in reversed(range(place)) if episode.steps[p].words == step.words), -1
+        )
+        if place < 0:
+            return None
+        positions.add(place)
+    return frozenset(positions)
+
+
+def _fits(progress: Progress, left: frozenset[int]) -> bool:
+    """Say whether what is left is what is not done: what goes on may be named, or not."""
+    if len(left) == len(progress.steps):
+        return True
+    return not left & set(progress.positions(StepStatus.DONE)) and left >= set(
+        progress.positions(StepStatus.AHEAD)
+    )
+
+
+def _rest_works(episode: Episode, task: Task, count: int, state: State) -> bool:
+    """Say whether what is left after so many happenings can be carried out from a state."""
+    evaluator = Evaluator(task)
+    given = ground(evaluator, episode.steps)
+    happenings = episode.run.happenings
+    going = Progress.after(happenings, count).positions(StepStatus.RUNNING)
+    return outcome(task, given, happenings[count:], state, evaluator, going) is not None

@@ -1,0 +1,143 @@
+"""How far a plan is carried out: each of its steps is done, going on, or ahead."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.pddl.atoms import ground_text
+from mirror_explainer.pddl.happenings import Happening
+from mirror_explainer.text_files import plain_text
+
+_LINE = re.compile(
+    r'(?P<status>[a-z]+)\s*:?\s*\(\s*(?P<words>[^\s()]+(?:\s+[^\s()]+)*)\s*\)', re.IGNORECASE
+)
+# Of the same action twice, the first is the one that is further.
+_STATUSES = ('done', 'running', 'failed', 'ahead')
+_FORM = 'Write one step a line, as in "done: (move a b)", with done, running or failed.'
+
+
+class StepStatus(Enum):
+    """What has become of a step."""
+
+    DONE = 'done'
+    RUNNING = 'running'
+    AHEAD = 'ahead'
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What has become of each step of a plan. `failed` are those, by position, that went wrong.
+
+    A step that failed is ahead: it is still to be done, if the robot can.
+    """
+
+    steps: tuple[StepStatus, ...]
+    failed: tuple[int, ...] = ()
+
+    @classmethod
+    def none(cls, length: int) -> 'Progress':
+        """Return the progress of a plan that has not begun."""
+        return cls((StepStatus.AHEAD,) * length)
+
+    @classmethod
+    def after(cls, happenings: Sequence[Happening], count: int) -> 'Progress':
+        """Return the progress when the first `count` of a run's happenings have happened."""
+        length = sum(happening.ends for happening in happenings)
+        steps = [StepStatus.AHEAD] * length
+        for happening in happenings[:count]:
+            steps[happening.step] = StepStatus.DONE if happening.ends else StepStatus.RUNNING
+        return cls(tuple(steps))
+
+    @property
+    def finished(self) -> bool:
+        """Whether every step is done."""
+        return all(status is StepStatus.DONE for status in self.steps)
+
+    @property
+    def done(self) -> int:
+        """How many starts and ends there have been."""
+        return sum(
+            2 if own is StepStatus.DONE else own is StepStatus.RUNNING for own in self.steps
+        )
+
+    def positions(self, *statuses: StepStatus) -> tuple[int, ...]:
+        """Return the positions, from 0, of the steps of which one of these is true."""
+        return tuple(index for index, own in enumerate(self.steps) if own in statuses)
+
+
+def read_progress(
+    text: str, actions: Sequence[str], known: Progress | None = None, source: str = 'progress'
+) -> Progress:
+    """Read a progress text: "done: (…)", "running: (…)" or "failed: (…)", one step a line.
+
+    It is about the plan with these `actions`, of which `known` is what was known before.
+    Steps that are not named are ahead, also before others that are done; the lines may
+    stand in any order, and the same action twice counts from its first place in the plan. An
+    empty text says that nothing has begun. Raises InputError with the line of what is no such
+    line or no step of the plan, and for a step that was done and is not any more.
+    """
+    places: dict[str, list[int]] = {}
+    for position, action in enumerate(actions):
+        places.setdefault(action, []).append(position)
+    named: dict[str, list[str]] = {action: [] for action in places}
+    for number, line in enumerate(plain_text(text).split('\n'), start=1):
+        content = line.split(';')[0].strip()
+        if content:
+            status, action = _line(content, number, source)
+            if action not in places:
+                raise InputError(
+                    source,
+                    f'{action} is no step of the plan{did_you_mean(action, places)}',
+                    number,
+                    cure='Publish the plan first, and name its steps as they stand there.',
+                )
+            named[action].append(status)
+            count = len(places[action])
+            if len(named[action]) > count:
+                times = 'once' if count == 1 else f'{count} times'
+                reason = f'{action} is in the plan {times}, and is named here once more'
+                raise InputError(source, reason, number, cure=_FORM)
+    steps = [StepStatus.AHEAD] * len(actions)
+    failed = []
+    for action, statuses in named.items():
+        for position, status in zip(
+            places[action], sorted(statuses, key=_STATUSES.index), strict=False
+        ):
+            if status == 'failed':
+                failed.append(position)
+            else:
+                steps[position] = StepStatus(status)
+    progress = Progress(tuple(steps), tuple(sorted(failed)))
+    if known is not None:
+        _require_no_way_back(progress, known, actions, source)
+    return progress
+
+
+def _line(content: str, number: int, source: str) -> tuple[str, str]:
+    """Return a line's status, and the action."""
+    found = _LINE.fullmatch(content)
+    status = found['status'].lower() if found else ''
+    if not found or status not in _STATUSES:
+        raise InputError(source, f'this is no progress: "{content[:80]}"', number, cure=_FORM)
+    name, *arguments = found['words'].split()
+    return status, ground_text(name, arguments)
+
+
+def _require_no_way_back(
+    progress: Progress, known: Progress, actions: Sequence[str], source: str
+) -> None:
+    """Raise InputError for a step that was done, and is not any more."""
+    undone = [
+        action
+        for action, new, old in zip(actions, progress.steps, known.steps, strict=True)
+        if old is StepStatus.DONE and new is not StepStatus.DONE
+    ]
+    if undone:
+        raise InputError(
+            source,
+            f'{undone[0]} was done, and is not any more',
+            cure='A robot that begins again publishes its plan again; each message is the whole '
+            'progress, what is done included.',
+        )

@@ -1,0 +1,72 @@
+"""Progress that a robot tells of itself."""
+
+import pytest
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.pddl.progress import Progress, StepStatus, read_progress
+
+PLAN = ('(go dock lab)', '(take cup)', '(go lab dock)', '(go dock lab)', '(put cup)')
+DONE, RUNNING, AHEAD = StepStatus.DONE, StepStatus.RUNNING, StepStatus.AHEAD
+
+
+def test_a_progress_text_says_of_each_step_what_has_become_of_it() -> None:
+    text = '; now\ndone: (go dock LAB)\n\nRunning:( take  cup ) ; soon\r\n'
+
+    assert read_progress(text, PLAN) == Progress((DONE, RUNNING, AHEAD, AHEAD, AHEAD))
+
+
+def test_an_empty_progress_text_says_that_nothing_has_begun() -> None:
+    assert read_progress('', PLAN) == Progress.none(5)
+
+
+def test_a_step_that_failed_is_still_ahead() -> None:
+    text = 'done: (go dock lab)\nfailed: (take cup)'
+
+    assert read_progress(text, PLAN) == Progress((DONE, AHEAD, AHEAD, AHEAD, AHEAD), failed=(1,))
+
+
+@pytest.mark.parametrize(
+    'text',
+    ['done: (go dock lab)\nrunning: (go dock lab)', 'running: (go dock lab)\ndone: (go dock lab)'],
+)
+def test_the_same_step_twice_counts_from_the_first(text: str) -> None:
+    assert read_progress('done: (go dock lab)', PLAN).positions(DONE) == (0,)
+
+    assert read_progress(text, PLAN) == Progress((DONE, AHEAD, AHEAD, RUNNING, AHEAD))
+
+
+def test_steps_that_were_skipped_or_done_out_of_order_are_what_the_robot_says() -> None:
+    text = 'done: (put cup)\ndone: (take cup)'
+
+    assert read_progress(text, PLAN) == Progress((AHEAD, DONE, AHEAD, AHEAD, DONE))
+
+
+FAULTS = {
+    '(go dock lab)': 'line 1: this is no progress: "(go dock lab)"',
+    'done: (take cup)\nended: (take cup)': 'line 2: this is no progress: "ended: (take cup)"',
+    'done: (take cup) (put cup)': 'line 1: this is no progress: "done: (take cup) (put cup)"',
+    'done: ()': 'line 1: this is no progress: "done: ()"',
+    '\ndone: (tkae cup)': 'line 2: (tkae cup) is no step of the plan (did you mean "(take cup)"?)',
+    'done: (take cup)\nrunning: (take cup)': 'line 2: (take cup) is in the plan once, and is '
+    'named here once more',
+    'done: (go dock lab)\n' * 3: 'line 3: (go dock lab) is in the plan 2 times, and is named '
+    'here once more',
+}
+
+
+@pytest.mark.parametrize('text', FAULTS)
+def test_what_is_no_progress_is_told_with_its_line(text: str) -> None:
+    with pytest.raises(InputError) as refused:
+        read_progress(text, PLAN, source='/robot/progress')
+
+    assert str(refused.value) == f'/robot/progress, {FAULTS[text]}'
+
+
+def test_progress_that_goes_backwards_is_refused_but_for_steps_that_are_tried_again() -> None:
+    known = read_progress('done: (go dock lab)\nrunning: (take cup)', PLAN)
+
+    again = read_progress('done: (go dock lab)\nfailed: (take cup)', PLAN, known)
+
+    assert again.failed == (1,)
+    with pytest.raises(InputError, match=r'\(go dock lab\) was done, and is not any more'):
+        read_progress('running: (go dock lab)', PLAN, known)
