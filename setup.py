@@ -33,10 +33,9 @@ setup(
         'lemminflect>=0.2.3',
         'numpy>=1.26',
         'pydantic>=2.5',
-        'pyparsing>=3.1',
         'pyyaml>=6.0',
         'setuptools',
-        'unified-planning>=1.3,<2',
+        'unified-planning>=1.3,<1.4',
         'up-fast-downward>=1.0,<2',
     ],
     extras_require={

@@ -1,66 +1,71 @@
 """PDDL texts in: the robot's task (Section 4 of the paper), its atoms and goals.
 
-unified-planning reads the texts; this file turns what goes wrong into errors
-that name the place. Like unified-planning, it must be used from one thread at a time.
+Each text is read once, into a tree (`pddl.text`); from the trees are made
+unified-planning's problem, in which plans are checked, and the texts that planners take.
+Like unified-planning, this must be used from one thread at a time.
 """
 
-import re
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import unified_planning.model as up
 from unified_planning import environment
-from unified_planning.io import PDDLReader
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text, conjuncts
-from mirror_explainer.pddl.derived.axioms import Axioms, read_axioms, without_axioms
-from mirror_explainer.pddl.durative.durative import is_durative, require_fixed_durations
+from mirror_explainer.pddl.derived.axioms import Axioms, read_axioms
 from mirror_explainer.pddl.durative.overlap import may_need_overlap
 from mirror_explainer.pddl.durative.sequential import sequential_texts
-from mirror_explainer.pddl.expressions import NESTED, Expressions, as_text, nested_words
-from mirror_explainer.pddl.initial_state import PlainFact, add_facts, without_plain_facts
-from mirror_explainer.pddl.text.either_types import (
-    types_in_predicates,
-    with_common_supertypes,
-    with_plain_predicates,
+from mirror_explainer.pddl.expressions import Expressions, nested_words
+from mirror_explainer.pddl.model import build_model
+from mirror_explainer.pddl.numbers.arithmetic import numbers_of
+from mirror_explainer.pddl.numbers.costs import with_costs
+from mirror_explainer.pddl.numbers.plannable import (
+    unsteady,
+    with_fixed_durations,
+    with_single_effects,
+    without_numbers,
 )
-from mirror_explainer.pddl.text.readable import require_readable
-from mirror_explainer.pddl.text.reader_errors import (
-    READER_ERRORS,
-    declared_names,
-    input_error,
-    require_known_requirements,
+from mirror_explainer.pddl.text.actions import Action, read_actions
+from mirror_explainer.pddl.text.declarations import Declarations, read_declarations
+from mirror_explainer.pddl.text.definition import Definition, read_definition, require_head
+from mirror_explainer.pddl.text.left_out import (
+    NUMBERS,
+    OPEN_DURATIONS,
+    UNSTEADY,
+    LeftOut,
+    without_extras,
 )
-from mirror_explainer.pddl.text.sections import (
-    line_at,
-    section,
-    without_comments,
-    without_costs,
-    without_total_time,
-)
-from mirror_explainer.pddl.text.size import require_few, require_shallow, require_steady_numbers
+from mirror_explainer.pddl.text.plain_types import with_actions, with_plain_types
+from mirror_explainer.pddl.text.size import require_few
 from mirror_explainer.pddl.text.texts import Texts
-from mirror_explainer.text_files import plain_text
+from mirror_explainer.pddl.text.tree import as_text, parse
 
 
 @dataclass(frozen=True)
 class Task:
-    """A planning task ⟨P, A, I, G, O⟩ as read: the two texts, and unified-planning's problem.
+    """A planning task ⟨P, A, I, G, O⟩: unified-planning's problem, and two texts for planners.
 
     Nothing in them takes time: durative actions happen at once, and cost what
     they took; `timed` is the problem with them as they are, None if there are none.
     The models have no derived predicates; `axioms` say how their states come by
     them, None if there are none.
+
+    What planners for many beliefs cannot use is left out of the texts, `warnings` say
+    what. If the task is `relaxed` by that, a belief without a plan may have one in truth.
     """
 
     domain: str
     problem: str
     model: up.Problem
+    goal_text: str
+    goals: tuple[up.FNode, ...]
     timed: up.Problem | None = None
     axioms: Axioms | None = None
+    warnings: tuple[str, ...] = ()
+    relaxed: bool = False
 
     @cached_property
     def may_need_overlap(self) -> bool:
@@ -78,16 +83,8 @@ class Task:
 
     @property
     def goal(self) -> up.FNode:
-        """G_R: the goal as one expression."""
-        return self.model.environment.expression_manager.And(self.model.goals)
-
-    @property
-    def goal_text(self) -> str:
-        """G_R as it stands in the problem, in lower case with single spaces."""
-        text = without_comments(self.problem).lower()
-        start = re.search(r'\(\s*:goal\b', text)
-        assert start is not None  # a problem without a goal is not read
-        return as_text(NESTED.parse_string(text[start.start() :]).as_list()[0][1])
+        """G_R: the goal as one expression, as far as it is planned for."""
+        return self.model.environment.expression_manager.And(self.goals)
 
 
 def forget_expressions() -> None:
@@ -106,68 +103,120 @@ def read_task(
     domain_source: str = 'domain',
     problem_source: str = 'problem',
     limits: InputLimits | None = None,
+    stop: Callable[[], None] | None = None,
 ) -> Task:
     """Read a PDDL domain and problem.
 
-    The sources name the file or topic in errors. Raises InputError for a text
-    that is not PDDL, is inconsistent, is beyond the limits, or has more of PDDL
-    than can be explained.
+    The sources name the file or topic in errors; `stop` is called now and then, and may
+    raise. Raises InputError for a text that is not PDDL, is inconsistent, or is beyond the limits.
     """
-    given = Texts(plain_text(domain), plain_text(problem), domain_source, problem_source)
-    require_definition(given.domain, 'domain', domain_source, limits)
-    require_definition(given.problem, 'problem', problem_source, limits)
-    rest, facts = without_plain_facts(given.problem)
+    domain_read = read_definition(domain, 'domain', domain_source, limits, stop)
+    problem_read = read_definition(problem, 'problem', problem_source, limits, stop)
     if limits:
-        require_few(replace(given, problem=rest), limits)
-    texts = with_common_supertypes(given)
-    require_readable(texts)
-    texts = replace(texts, problem=without_total_time(texts.problem))
-    if texts.problem != given.problem:
-        rest, facts = without_plain_facts(texts.problem)
-    durative = is_durative(texts.domain)
+        require_few(domain_read, problem_read, limits)
+    try:
+        return _task(domain_read, problem_read, stop)
+    except InputError as error:
+        hint = _domain_hint(domain_read, problem_read)
+        if not hint or error.source != problem_source:
+            raise
+        raise InputError(error.source, error.reason + hint, error.line, cure=error.cure) from error
+
+
+def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | None) -> Task:
+    source, left_out = domain.source, LeftOut()
+    declared = read_declarations(domain, problem)
+    domain, problem = without_extras(domain, problem, declared, left_out)
+    actions = tuple(read_actions(domain, declared.types))
+    domain, problem, declared, actions = with_plain_types(domain, problem, declared, actions)
+    durative = any(action.durative for action in actions)
+    durations = [action.parts.get(':duration') for action in actions]
+    actions = tuple(_fixed(action, source, left_out) for action in actions)
+    numbers = numbers_of(problem, declared, actions, source)
+    priced = with_costs(domain, problem, actions, numbers, left_out)
+    domain, problem, actions = priced.domain, priced.problem, priced.actions
+    if grown := unsteady(actions, numbers, source):
+        steady = without_numbers(domain, problem, actions, numbers, left_out, grown, UNSTEADY)
+        domain, problem, actions = steady.domain, steady.problem, steady.actions
+    declared = replace(declared, functions=read_declarations(domain, problem).functions)
+    timed = None
     if durative:
-        require_fixed_durations(texts.domain, domain_source)
-        if section(texts.problem, ':metric') is None:
-            texts = replace(texts, domain=without_costs(texts.domain))
-    model = _read_model(texts, rest, facts)
-    axioms = read_axioms(model, texts)
-    timed = model if durative else None
+        lasting = [
+            action if duration is None else action.having(duration=duration)
+            for action, duration in zip(actions, durations, strict=True)
+        ]
+        timed = build_model(domain, problem, declared, lasting, stop)
+    plannable = without_numbers(domain, problem, actions, numbers, left_out)
     if durative:
-        texts = sequential_texts(model, axioms, texts)
-        model = _read_model(texts, *without_plain_facts(texts.problem))
+        singles = (with_single_effects(action, numbers, source) for action in plannable.actions)
+        plannable = replace(plannable, actions=tuple(singles))
+        domain, problem, actions = plannable.domain, plannable.problem, plannable.actions
+        declared = read_declarations(domain, problem)
+    model = build_model(domain, problem, declared, actions, stop)
+    texts, lines = _texts(plannable.domain, plannable.problem, plannable.actions)
+    try:
         axioms = read_axioms(model, texts)
-    if not all(isinstance(action, up.InstantaneousAction) for action in model.actions):
-        raise InputError(domain_source, 'it has actions other than :action and :durative-action')
-    require_steady_numbers(model, domain_source)
+        if durative:
+            texts = sequential_texts(model, axioms, texts)
+    except InputError as error:
+        line = lines[error.source][error.line - 1] if error.line else None
+        raise InputError(error.source, error.reason, line, cure=error.cure) from error
+    if durative:
+        model, axioms = _read_again(texts, stop)
+    goal = plannable.problem.contents(':goal')[0]
+    _split_goals(model)
+    goals = tuple(model.goals)
+    if NUMBERS in left_out.places:
+        goals = tuple(conjuncts(Expressions(model).expression(goal, {})))
+    return Task(
+        texts.domain,
+        texts.problem,
+        model,
+        as_text(goal),
+        goals,
+        timed,
+        axioms,
+        left_out.warnings(),
+        left_out.relaxed,
+    )
+
+
+def _fixed(action: Action, source: str, left_out: LeftOut) -> Action:
+    """Return an action that takes a certain time, if it takes any."""
+    if not action.durative:
+        return action
+    fixed, was_open = with_fixed_durations(action, source)
+    if was_open:
+        left_out.note(OPEN_DURATIONS, source, action.parts[':duration'])
+    return fixed
+
+
+def _texts(
+    domain: Definition, problem: Definition, actions: tuple[Action, ...]
+) -> tuple[Texts, dict[str, list[int]]]:
+    """Return the texts of a task, and for each source what lines the texts' came from."""
+    domain_text, domain_lines = with_actions(domain, actions).text()
+    problem_text, problem_lines = problem.text()
+    texts = Texts(domain_text, problem_text, domain.source, problem.source)
+    return texts, {domain.source: domain_lines, problem.source: problem_lines}
+
+
+def _read_again(texts: Texts, stop: Callable[[], None] | None) -> tuple[up.Problem, Axioms | None]:
+    """Return the model of texts that were made here."""
+    domain = read_definition(texts.domain, 'domain', texts.domain_source)
+    problem = read_definition(texts.problem, 'problem', texts.problem_source)
+    declared: Declarations = read_declarations(domain, problem)
+    actions = read_actions(domain, declared.types)
+    model = build_model(domain, problem, declared, actions, stop)
+    return model, read_axioms(model, texts)
+
+
+def _split_goals(model: up.Problem) -> None:
+    """Make each conjunct of the goal a goal of its own."""
     goals = conjuncts(model.environment.expression_manager.And(model.goals))
     model.clear_goals()
     for conjunct in goals:
         model.add_goal(conjunct)
-    return Task(texts.domain, texts.problem, model, timed, axioms)
-
-
-def _read_model(texts: Texts, rest: str, facts: Sequence[PlainFact]) -> up.Problem:
-    """Return unified-planning's problem. Raises InputError with lines of the texts given.
-
-    `rest` is the problem without its plain `facts`.
-    """
-    readable = with_plain_predicates(without_axioms(texts.domain))
-    try:
-        model = PDDLReader().parse_problem_string(readable, rest)
-    except READER_ERRORS as error:
-        _raise_for_domain_alone(readable, texts.domain_source)
-        hint = _domain_hint(texts)
-        names = declared_names(readable, texts.problem)
-        raise input_error(error, texts.problem, texts.problem_source, hint, names) from error
-    for name, line in types_in_predicates(texts.domain):
-        if name != 'object' and name not in {item.name for item in model.user_types}:
-            raise InputError(texts.domain_source, f'the type {name} is not declared', line)
-    try:
-        add_facts(model, facts, texts.problem_source)
-    except InputError as error:
-        reason = error.reason + _domain_hint(texts)
-        raise InputError(error.source, reason, error.line) from error
-    return model
 
 
 def fluent_expression(model: up.Problem, atom: str) -> up.FNode:
@@ -195,53 +244,19 @@ def goal_expression(model: up.Problem, goal: str, source: str = 'goal') -> up.FN
 def require_definition(
     text: str, kind: str, source: str, limits: InputLimits | None = None
 ) -> None:
-    """Raise InputError unless a text begins as a PDDL domain or problem should.
+    """Raise InputError unless a text is a PDDL domain or problem, as far as can be said alone.
 
-    Also for one that is too long or nested too deeply: all that can be said of it at once.
+    Also for one that is too long or nested too deeply.
     """
-    if limits:
-        limits.require_bytes(text, source)
-    text = plain_text(text)
-    if not text.strip():
-        raise InputError(
-            source,
-            f'the text is empty; a PDDL {kind} is expected',
-            cure='Give the whole text; only a plan may be empty.',
-        )
-    found = re.match(
-        r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\s*\(\s*(domain|problem)\b', text, re.IGNORECASE
-    )
-    if found is None:
-        raise InputError(
-            source,
-            f'this is no PDDL {kind}: it must begin with (define ({kind} …)',
-            1,
-            cure=f'Give the text of the {kind} here, not the name of a file or another text.',
-        )
-    if found[1].lower() != kind:
-        raise InputError(
-            source,
-            f'this is a PDDL {found[1].lower()}, but a {kind} is expected here: '
-            'are the two mixed up?',
-            line_at(text, found.end()),
-            cure='Check which is which: the files, or the names and remappings of the topics.',
-        )
-    require_shallow(text, source)
+    parse(require_head(text, kind, source, limits), source)
 
 
-def _raise_for_domain_alone(domain: str, source: str) -> None:
-    """Raise InputError if the domain can't be read even without a problem."""
-    try:
-        PDDLReader().parse_problem_string(domain)
-    except READER_ERRORS as error:
-        require_known_requirements(domain, source)
-        raise input_error(error, domain, source, '', declared_names(domain)) from error
-
-
-def _domain_hint(texts: Texts) -> str:
+def _domain_hint(domain: Definition, problem: Definition) -> str:
     """Return a remark if the problem says that it belongs to another domain."""
-    own = re.search(r'\(\s*domain\s+([^\s()]+)', texts.domain, re.IGNORECASE)
-    wanted = re.search(r'\(\s*:domain\s+([^\s()]+)', texts.problem, re.IGNORECASE)
-    if own and wanted and own[1].lower() != wanted[1].lower():
-        return f' (the problem is for domain "{wanted[1]}", and the domain given is "{own[1]}")'
-    return ''
+    wanted = next(iter(problem.contents(':domain')), None)
+    if wanted is None or wanted == domain.name:
+        return ''
+    return (
+        f' (the problem is for domain "{as_text(wanted)}", and the domain given is '
+        f'"{domain.name}")'
+    )

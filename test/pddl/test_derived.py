@@ -277,11 +277,11 @@ FAULTS = {
     'arity': ('(:derived (stuck)', '(:derived (stuck ?x - room)', 'domain, line 10: '
         'the derived predicate "stuck" is declared with 0 arguments, not 1'),
     'a constant as argument': ('(REACHABLE ?r - room)', '(reachable dock)', 'domain, line 8: '
-        'the derived predicate "reachable" is declared with 1 arguments, not 0'),
+        '"dock" stands where a variable is expected, such as ?x'),
     'another type': ('(REACHABLE ?r - room)', '(REACHABLE ?r - item)', 'domain, line 8: '
         'the derived predicate "reachable" is declared with a room, not a item, as ?r'),
     'an unknown type': ('?r - room)\n    (or', '?r - rom)\n    (or', 'domain, line 8: '
-        'the domain has no type "rom"'),
+        'the domain has no type "rom" (did you mean "room"?)'),
     'an unknown name': ('(robot-at ?r) (exists', '(robot-on ?r) (exists', 'domain, line 8: '
         '(robot-on ?r): the domain has no predicate "robot-on" (did you mean "robot-at"?)'),
     'no condition': ('(:derived (stuck) (not (reachable Dock)))', '(:derived (stuck))',

@@ -162,16 +162,6 @@ def test_the_cost_is_the_metric_of_the_problem() -> None:
     assert check_plan(read_task(domain, problem), read_plan('(a)\n(a)')).cost == 6.0  # 3 + 3
 
 
-def test_a_problem_that_no_plan_can_be_checked_for_is_told(warehouse) -> None:
-    domain = (warehouse / 'domain.pddl').read_text()
-    constraint = '(:constraints (sometime (charged)))'
-    problem = (warehouse / 'problem.pddl').read_text().rstrip()[:-1] + constraint + ')'
-    task = read_task(domain, problem)
-
-    with pytest.raises(InputError, match='^plan: the plan cannot be checked: the problem may use'):
-        robot_plan(task, (warehouse / 'plan.txt').read_text())
-
-
 FAILURES = {
     'unknown action': (
         '(mov left center)',

@@ -39,25 +39,6 @@ def test_costs_are_in_the_metric_and_actions_in_canonical_text(planner: Planner)
     assert fast.plans == (Plan(('(cut-fast)', '(polish)'), 2 + 1),)
 
 
-@pytest.mark.parametrize(('cost', 'said'), [('-2', 'cut-fast = -2'), ('(price)', '(price) = -2')])
-def test_a_cost_below_zero_is_told_as_such(cost: str, said: str) -> None:
-    space = replace(
-        TOOLS,
-        domain=TOOLS_DOMAIN.replace('(total-cost) 2', f'(total-cost) {cost}').replace(
-            '(:functions', '(:functions (price) - number'
-        ),
-        problem=TOOLS_PROBLEM.replace('(:init', '(:init (= (price) -2)'),
-    )
-
-    with Planner() as planner, pytest.raises(PlanningError) as refused:
-        planner.plan(space, [Belief(0)])
-
-    assert str(refused.value) == (
-        'the planning engine "fast-downward-opt" does not support this problem: '
-        f'a cost below 0, {said}'
-    )
-
-
 def test_without_a_metric_the_cost_is_the_number_of_actions(planner: Planner) -> None:
     space = BeliefSpace(
         WAREHOUSE_DOMAIN,

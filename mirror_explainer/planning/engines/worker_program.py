@@ -20,7 +20,6 @@ from unified_planning.shortcuts import OneshotPlanner, get_environment
 
 from mirror_explainer import pddl
 from mirror_explainer.errors import InputError, PlanningError
-from mirror_explainer.pddl.atoms import fluents_in
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Plan, Status
 from mirror_explainer.planning.messages import Attempt, Refusal, Setup, unknown
 from mirror_explainer.planning.processes.child import Parent
@@ -57,10 +56,9 @@ class Engine:
         }
         engine_class = _engine_class(name)
         self._optimal = engine_class.satisfies(OptimalityGuarantee.SOLVED_OPTIMALLY)
-        negative = _negative_cost(self._model)
         for goal in self._goals:
             self._set_goal(goal)
-            _require_support(name, engine_class, self._model, negative)
+            _require_support(name, engine_class, self._model)
 
     def _set_goal(self, goal: up.FNode) -> None:
         self._model.clear_goals()
@@ -119,41 +117,17 @@ def _engine_class(name: str) -> Any:
     return factory.engine(name)
 
 
-def _require_support(name: str, engine_class: Any, model: up.Problem, negative: str) -> None:
-    """Raise PlanningError that names the features of the problem the engine lacks.
-
-    `negative` tells of a cost below 0: unified-planning has no feature for it, and calls all
-    costs real that functions give.
-    """
+def _require_support(name: str, engine_class: Any, model: up.Problem) -> None:
+    """Raise PlanningError that names the features of the problem the engine lacks."""
     missing = model.kind.features - engine_class.supported_kind().features
     features = sorted(feature.lower().replace('_', ' ') for feature in missing)
-    if negative:
-        features = [negative, *(f for f in features if f != 'real numbers in actions cost')]
-    unfit = negative and name.startswith('fast-downward')
-    if missing or unfit or not engine_class.supports(model.kind):
+    if missing or not engine_class.supports(model.kind):
         words = ', '.join(features)
         raise PlanningError(
             f'the planning engine "{name}" does not support this problem'
             f'{f": {words}" if words else ""}',
             cure='Name another engine as the planner, or leave that out of the PDDL.',
         )
-
-
-def _negative_cost(model: up.Problem) -> str:
-    """Name an action or a function with a cost below 0, '' if there is none."""
-    metrics = [m for m in model.quality_metrics if m.is_minimize_action_costs()]
-    costs = [(action.name, c) for m in metrics for action, c in m.costs.items() if c is not None]
-    functions = fluents_in(*(cost for _, cost in costs))
-    values = [
-        *((name, cost) for name, cost in costs if cost.is_constant()),
-        *(
-            (pddl.atom_text(term), value)
-            for term, value in model.explicit_initial_values.items()
-            if term.fluent() in functions
-        ),
-    ]
-    below = [f'{name} = {value}' for name, value in values if value.constant_value() < 0]
-    return f'a cost below 0, {below[0]}' if below else ''
 
 
 def main() -> None:

@@ -1,0 +1,424 @@
+"""A task as unified-planning's problem, made of the trees of its texts.
+
+Made here and not by unified-planning's reader, which refuses legal texts, takes some
+ten times longer, and tells what is wrong without names or lines.
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+
+import unified_planning.exceptions as up_exceptions
+import unified_planning.model as up
+from unified_planning.model.metrics import (
+    MaximizeExpressionOnFinalState,
+    MinimizeActionCosts,
+    MinimizeExpressionOnFinalState,
+    MinimizeMakespan,
+    MinimizeSequentialPlanLength,
+)
+
+from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.pddl.expressions import Bound, Expressions, number
+from mirror_explainer.pddl.text.actions import Action, Effect, effects, timed_conditions
+from mirror_explainer.pddl.text.declarations import Declarations, Declared
+from mirror_explainer.pddl.text.definition import Definition
+from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, word
+
+TOTAL_COST = 'total-cost'
+_CHANGES = ('increase', 'decrease', 'assign')
+
+
+class Model(up.Problem):
+    """A problem whose names were checked as they were read: kinds may share them, as in PDDL."""
+
+    def has_name(self, name: str) -> bool:
+        """Say no: unified-planning would look through all objects for each that is added."""
+        return False
+
+
+def build_model(
+    domain: Definition,
+    problem: Definition,
+    declared: Declarations,
+    actions: Sequence[Action],
+    stop: Callable[[], None] | None = None,
+) -> up.Problem:
+    """Return unified-planning's problem of definitions in which each type is a single name.
+
+    `stop` is called now and then, and may raise. Raises InputError with the line of
+    what does not fit the declarations.
+    """
+    return _Builder(domain, problem, declared, stop).build(actions)
+
+
+class _Builder:
+    """Builds one model."""
+
+    def __init__(
+        self,
+        domain: Definition,
+        problem: Definition,
+        declared: Declarations,
+        stop: Callable[[], None] | None,
+    ) -> None:
+        self._domain = domain
+        self._problem = problem
+        self._declared = declared
+        self._stop = stop
+        self._model = Model(problem.name)
+        self._environment = self._model.environment
+        self._environment.error_used_name = False  # in what compilers make of it, too
+        self._manager = self._environment.expression_manager
+        self._types: dict[str, up.Type] = {}
+
+    def build(self, actions: Sequence[Action]) -> up.Problem:
+        manager = self._environment.type_manager
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')
+            for name in self._declared.types:
+                self._model._add_user_type(self._type(name))
+            boolean, real = manager.BoolType(), manager.RealType()
+            for predicate in self._declared.predicates.values():
+                fluent = self._fluent(predicate, boolean)
+                self._model.add_fluent(fluent, default_initial_value=False)
+            for function in self._declared.functions.values():
+                self._model.add_fluent(self._fluent(function, real))
+            for name, kinds in self._declared.objects.items():
+                self._model.add_object(up.Object(name, self._type(kinds[0]), self._environment))
+            self._expressions = Expressions(self._model)
+            for action in actions:
+                self._model.add_action(
+                    self._durative(action) if action.durative else self._instantaneous(action)
+                )
+            self._add_initial_values()
+            self._add_goal()
+            self._add_metric()
+        return self._model
+
+    def _type(self, name: str) -> up.Type:
+        if name not in self._types:
+            above = self._declared.types[name]
+            father = self._type(above[0]) if above else None
+            self._types[name] = self._environment.type_manager.UserType(name, father)
+        return self._types[name]
+
+    def _fluent(self, declared: Declared, kind: up.Type) -> up.Fluent:
+        # PDDL lets a predicate name two parameters alike.
+        parameters = [
+            up.Parameter(name[1:], self._type(kinds[0]), self._environment)
+            for name, kinds in declared.parameters
+        ]
+        return up.Fluent(str(declared.name), kind, parameters, self._environment)
+
+    def _bound(self, action: up.Action) -> dict[str, up.Parameter]:
+        return {f'?{parameter.name}': parameter for parameter in action.parameters}
+
+    def _parameters(self, action: Action) -> dict[str, up.Type]:
+        return {name[1:]: self._type(kinds[0]) for name, kinds in action.parameters.items()}
+
+    def _instantaneous(self, action: Action) -> up.InstantaneousAction:
+        made = up.InstantaneousAction(
+            str(action.name), self._parameters(action), self._environment
+        )
+        bound = self._bound(made)
+        condition = action.parts.get(':precondition')
+        if condition is not None:
+            made.add_precondition(self._condition(condition, bound))
+        for effect in effects(action.parts.get(':effect'), self._domain.source, False):
+            variables, fluent, kind, value, when = self._effect(effect, bound, action)
+            add = {
+                'increase': made.add_increase_effect,
+                'decrease': made.add_decrease_effect,
+            }.get(kind, made.add_effect)
+            with self._clashes(effect):
+                add(fluent, value, when, forall=variables)
+        return made
+
+    def _durative(self, action: Action) -> up.DurativeAction:
+        source = self._domain.source
+        made = up.DurativeAction(str(action.name), self._parameters(action), self._environment)
+        bound = self._bound(made)
+        lower, upper = duration_bounds(action, source)
+        made.set_closed_duration_interval(
+            self._number(lower or upper, bound), self._number(upper or lower, bound)
+        )
+        start, end = up.StartTiming(), up.EndTiming()
+        intervals = {'start': start, 'end': end, 'all': up.OpenTimeInterval(start, end)}
+        for phase, condition in timed_conditions(action.parts.get(':condition'), source):
+            made.add_condition(intervals[phase], self._condition(condition, bound))
+        for effect in effects(action.parts.get(':effect'), source, True):
+            if not effect.phase:
+                raise InputError(
+                    source,
+                    f'"{as_text(effect.change)[:80]}" does not say when it happens: write '
+                    '(at start …) or (at end …)',
+                    effect.change.line,
+                )
+            variables, fluent, kind, value, when = self._effect(effect, bound, action)
+            add = {
+                'increase': made.add_increase_effect,
+                'decrease': made.add_decrease_effect,
+            }.get(kind, made.add_effect)
+            with self._clashes(effect):
+                add(intervals[effect.phase], fluent, value, when, forall=variables)
+        return made
+
+    def _clashes(self, effect: Effect) -> '_Clashes':
+        return _Clashes(self._domain.source, effect.change)
+
+    def _effect(
+        self, effect: Effect, bound: Bound, action: Action
+    ) -> tuple[tuple[up.Variable, ...], up.FNode, str, up.FNode, up.FNode]:
+        """Return an effect's variables, what it changes, how, and under which condition."""
+        names: dict[str, up.Variable] = {}
+        for variables in effect.variables:
+            names |= self._expressions.variables(variables)
+        every = {**bound, **names}
+        conditions = [self._expressions.expression(c, every) for c in effect.conditions]
+        when = self._manager.And(conditions) if conditions else self._manager.TRUE()
+        change = effect.change
+        kind, value = '', self._manager.TRUE()
+        if change.head in _CHANGES and len(change) == 3:
+            kind, value = change.head, self._expressions.number(change[2], every)
+            fluent = self._expressions.number(change[1], every)
+        elif change.head == 'not' and len(change) == 2:
+            value = self._manager.FALSE()
+            fluent = self._expressions.atom(change[1], every)
+        else:
+            fluent = self._expressions.atom(change, every)
+        self._expressions.require_known(self._domain.source, lines=True)
+        if not fluent.is_fluent_exp():
+            reason = f'"{as_text(change)[:80]}" of "{action.name}" is no effect'
+            raise InputError(self._domain.source, reason, change.line)
+        return tuple(names.values()), fluent, kind, value, when
+
+    def _condition(self, tree: Tree, bound: Bound) -> up.FNode:
+        found = self._expressions.expression(tree, bound)
+        self._expressions.require_known(self._domain.source, lines=True)
+        return found
+
+    def _number(self, tree: Tree | None, bound: Bound) -> up.FNode:
+        found = self._expressions.number(tree, bound)
+        self._expressions.require_known(self._domain.source, lines=True)
+        return found
+
+    def _add_goal(self) -> None:
+        """Add each conjunct of the goal."""
+        goal = self._problem.section(':goal')
+        source = self._problem.source
+        if goal is None:
+            raise InputError(source, 'the problem has no (:goal …)')
+        if len(goal) != 2:
+            raise InputError(source, '(:goal …) takes one condition', goal.line)
+        expression = self._expressions.expression(goal[1], {})
+        self._expressions.require_known(source, lines=True)
+        self._model.add_goal(expression)
+
+    def _add_metric(self) -> None:
+        """Add what is to be minimised; costs of actions become unified-planning's own metric."""
+        metric = self._problem.section(':metric')
+        if metric is None:
+            return
+        source = self._problem.source
+        if len(metric) != 3 or metric[1] not in ('minimize', 'maximize'):
+            raise InputError(
+                source, '(:metric …) takes minimize or maximize, and one number', metric.line
+            )
+        what = metric[2]
+        name = what.head if isinstance(what, Branch) else str(what)
+        least = metric[1] == 'minimize'
+        if name == 'total-time' and least:
+            self._model.add_quality_metric(MinimizeMakespan())
+        elif name == TOTAL_COST and least and self._model.has_fluent(TOTAL_COST):
+            self._add_costs()
+        else:
+            expression = self._expressions.number(what, {})
+            self._expressions.require_known(source, lines=True)
+            kind = MinimizeExpressionOnFinalState if least else MaximizeExpressionOnFinalState
+            self._model.add_quality_metric(kind(expression))
+
+    def _add_costs(self) -> None:
+        """Take the effects on the total cost out of the actions, into a metric."""
+        total = self._manager.FluentExp(self._model.fluent(TOTAL_COST))
+        costs: dict[up.Action, up.FNode] = {}
+        for action in self._model.actions:
+            lists = (
+                list(action.effects.values())
+                if isinstance(action, up.DurativeAction)
+                else [action.effects]
+            )
+            for changes in lists:
+                for effect in [e for e in changes if e.fluent == total]:
+                    if effect.is_conditional() or effect.is_forall() or action in costs:
+                        return
+                    costs[action] = effect.value
+        for action in costs:
+            kept = (
+                [(t, e) for t, all_of in action.effects.items() for e in all_of]
+                if isinstance(action, up.DurativeAction)
+                else [(None, e) for e in action.effects]
+            )
+            action.clear_effects()
+            for timing, effect in kept:
+                if effect.fluent != total:
+                    if timing is None:
+                        action._add_effect_instance(effect)
+                    else:
+                        action._add_effect_instance(timing, effect)
+        self._model._fluents.remove(total.fluent())
+        self._model.explicit_initial_values.pop(total, None)
+        units = len(costs) == len(self._model.actions) and all(
+            cost.is_int_constant() and cost.constant_value() == 1 for cost in costs.values()
+        )
+        self._model.add_quality_metric(
+            MinimizeSequentialPlanLength()
+            if units
+            else MinimizeActionCosts(costs, self._manager.Int(0))
+        )
+
+    def _add_initial_values(self) -> None:
+        """Set what holds initially, and the numbers' values."""
+        fluents = {fluent.name: fluent for fluent in self._model.fluents}
+        objects = {
+            item.name: (item.type, self._manager.ObjectExp(item))
+            for item in self._model.all_objects
+        }
+        # Which types may stand where a type is asked for.
+        fits = {
+            (one, other): one.is_compatible(other)
+            for one in self._types.values()
+            for other in self._types.values()
+        }
+        values = self._model.explicit_initial_values
+        for count, (atom, value) in enumerate(initial_values(self._problem)):
+            if self._stop and count % 1000 == 0:
+                self._stop()
+            fluent = fluents.get(atom.head)
+            arguments = [objects.get(word) for word in atom[1:] if isinstance(word, Word)]
+            if (
+                fluent is None
+                or len(arguments) != fluent.arity
+                or len(atom) != fluent.arity + 1
+                or fluent.type.is_bool_type() != isinstance(value, bool)
+                or not all(
+                    known and fits[parameter.type, known[0]]
+                    for known, parameter in zip(arguments, fluent.signature, strict=True)
+                )
+            ):
+                raise self._misfit(atom, value)
+            expression = self._manager.FluentExp(
+                fluent, [known[1] for known in arguments if known]
+            )
+            values[expression] = self._constant(value)
+
+    def _constant(self, value: bool | Fraction) -> up.FNode:
+        if isinstance(value, bool):
+            return self._manager.Bool(value)
+        if value.denominator == 1:
+            return self._manager.Int(value.numerator)
+        return self._manager.Real(value)
+
+    def _misfit(self, atom: Branch, value: bool | Fraction) -> InputError:
+        """Say in what an initial value does not fit the declarations."""
+        source = self._problem.source
+        known = self._declared.functions if not isinstance(value, bool) else None
+        if known is not None:
+            self._expressions.number(atom, {})
+        elif atom.head in self._declared.functions:
+            reason = f'{as_text(atom)}: "{atom.head}" is a number: write (= {as_text(atom)} 1)'
+            return InputError(source, reason, atom.line)
+        else:
+            self._expressions.atom(atom, {})
+        reason = '; '.join(self._expressions.faults)
+        return InputError(source, reason or f'{as_text(atom)} does not fit', atom.line)
+
+
+class _Clashes:
+    """Raises what unified-planning says about an effect as InputError, with its line."""
+
+    def __init__(self, source: str, change: Branch) -> None:
+        self._source = source
+        self._change = change
+
+    def __enter__(self) -> None:
+        return
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, AssertionError | up_exceptions.UPException):
+            reason = f'"{as_text(self._change)[:80]}" cannot be an effect: {error}'
+            raise InputError(self._source, reason, self._change.line) from error
+
+
+def initial_values(problem: Definition) -> 'list[tuple[Branch, bool | Fraction]]':
+    """Return what :init says: atoms that hold or do not, and functions with their numbers.
+
+    Raises InputError with the line of what is neither.
+    """
+    found: list[tuple[Branch, bool | Fraction]] = []
+    parts = problem.contents(':init')
+    if len(parts) == 1 and isinstance(parts[0], Branch) and parts[0].head == 'and':
+        parts = parts[0][1:]
+    for part in parts:
+        head = part.head if isinstance(part, Branch) else ''
+        if isinstance(part, Branch) and head == '=' and len(part) == 3:
+            function, value = part[1:]
+            amount = number(value) if isinstance(value, Word) else None
+            if isinstance(value, Branch) and value.head == '-' and len(value) == 2:
+                amount = -(number(str(value[1])) or Fraction(0))
+            if isinstance(function, Word):
+                function = part.like([function])
+            if amount is None:
+                reason = f'"{as_text(part)[:80]}" gives no number'
+                raise InputError(problem.source, reason, part.line)
+            found.append((function, amount))
+        elif (
+            isinstance(part, Branch)
+            and head == 'not'
+            and len(part) == 2
+            and isinstance(part[1], Branch)
+        ):
+            found.append((part[1], False))
+        elif isinstance(part, Branch) and head and head not in ('and', 'or', '=', 'not'):
+            found.append((part, True))
+        else:
+            shown = as_text(part)[:80]
+            hint = did_you_mean(head, ['and'])
+            raise InputError(
+                problem.source,
+                f'"{shown}" is no fact that can hold initially{hint}',
+                part.line,
+            )
+    return found
+
+
+def duration_bounds(action: Action, source: str) -> tuple[Tree | None, Tree | None]:
+    """Return the least and the most that an action takes, None where it is open.
+
+    Raises InputError for what is no duration.
+    """
+    tree = action.parts[':duration']
+    assert isinstance(tree, Branch)
+    least: Tree | None = None
+    most: Tree | None = None
+    if not tree:
+        return word('0', tree), None
+    for part in tree[1:] if tree.head == 'and' else [tree]:
+        if isinstance(part, Branch) and part.head == 'at' and len(part) == 3:
+            part = part[2]
+        if (
+            not isinstance(part, Branch)
+            or len(part) != 3
+            or part[1] != '?duration'
+            or part.head not in ('=', '<=', '>=', '<', '>')
+        ):
+            raise InputError(
+                source,
+                f'"{as_text(part)[:80]}" is no duration of "{action.name}": write (= ?duration …)',
+                part.line,
+            )
+        if part.head != '<' and part.head != '<=':
+            least = part[2]
+        if part.head != '>' and part.head != '>=':
+            most = part[2]
+    return least, most

@@ -1,0 +1,1 @@
+"""Numbers of a task: what never changes is worked out, costs become sums of what actions cost."""

@@ -1,0 +1,228 @@
+"""A PDDL text as a tree of words, each of which knows its line and column.
+
+Made once; all that is read of a text is read from here. Letter case, comments,
+byte-order marks and line ends are gone: what is left is what PDDL tells apart.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from typing import TypeAlias
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.text_files import plain_text
+
+# unified-planning and Python's own stack end some levels deeper.
+DEEPEST = 40
+_TOKEN = re.compile(r';[^\n]*|[^\s();]+|[()\n]')
+_NAME = re.compile(r'\w[-\w.#@/+]*')
+# Exact arithmetic would write out all of the zeros.
+_HUGE_NUMBER = re.compile(r'[-+]?(?:[\d._]*e[-+]?[\d_]{4,}|[\d._]{1000,})', re.IGNORECASE)
+
+
+class Word(str):
+    """A word in lower case; `line` and `column` count from 1."""
+
+    __slots__ = ('column', 'line')
+    line: int
+    column: int
+
+
+class Branch(list['Tree']):
+    """What stands between two parentheses; `line` and `column` are those of the first."""
+
+    __slots__ = ('column', 'line')
+    line: int
+    column: int
+
+    def __init__(self, parts: Iterable['Tree'] = (), line: int = 1, column: int = 1) -> None:
+        super().__init__(parts)
+        self.line = line
+        self.column = column
+
+    @property
+    def head(self) -> str:
+        """The first word, '' if there is none."""
+        return self[0] if self and isinstance(self[0], str) else ''
+
+    def like(self, parts: Iterable['Tree']) -> 'Branch':
+        """Return other parts at this place."""
+        return Branch(parts, self.line, self.column)
+
+
+Tree: TypeAlias = Word | Branch
+
+
+def parse(text: str, source: str, stop: Callable[[], None] | None = None) -> list[Tree]:
+    """Return all that stands in a text, one after the other.
+
+    `stop` is called now and then, and may raise. Raises InputError, with the line, for
+    parentheses that do not match, and for what is nested too deeply.
+    """
+    text = plain_text(text)
+    found: list[Tree] = []
+    parts, open_branches = found, list[Branch]()
+    line, line_start, lower = 1, -1, text if text.islower() else text.lower()
+    if len(lower) != len(text):  # some letters have no small form of the same length
+        lower = text
+    for count, match in enumerate(_TOKEN.finditer(lower)):
+        token = match[0]
+        if token == '(':
+            branch = Branch((), line, match.start() - line_start)
+            parts.append(branch)
+            open_branches.append(branch)
+            parts = branch
+            if len(open_branches) > DEEPEST:
+                reason = f'the text is nested too deeply: more than {DEEPEST} parentheses in '
+                raise InputError(source, f'{reason}each other', line)
+        elif token == ')':
+            if not open_branches:
+                raise InputError(
+                    source, 'there is a closing parenthesis here too many', line, cure=_BALANCE
+                )
+            open_branches.pop()
+            parts = open_branches[-1] if open_branches else found
+        elif token == '\n':
+            line, line_start = line + 1, match.start()
+        elif token[0] != ';':
+            word = Word(token)
+            word.line, word.column = line, match.start() - line_start
+            parts.append(word)
+        if stop and count % 10_000 == 0:
+            stop()
+    if open_branches:
+        raise _unclosed(open_branches, source)
+    return found
+
+
+_BALANCE = 'See whether the text was cut off, and its parentheses match.'
+
+
+def _unclosed(open_branches: list[Branch], source: str) -> InputError:
+    """Say which parenthesis has no match: the section, where the next one stands inside it."""
+    for outer, inner in zip(open_branches, open_branches[1:], strict=False):
+        if len(open_branches) > 2 and inner.head.startswith(':') and outer is not open_branches[0]:
+            return InputError(
+                source,
+                f'"({outer.head}" is not closed before "({inner.head}" begins on line '
+                f'{inner.line}',
+                outer.line,
+                cure=_BALANCE,
+            )
+    last = open_branches[-1]
+    shown = f'"({last.head}"' if last.head else 'a parenthesis'
+    return InputError(source, f'the text ends before {shown} is closed', last.line, cure=_BALANCE)
+
+
+def expression(text: str, source: str) -> Tree:
+    """Return the one expression that a text is. Raises InputError."""
+    try:
+        found = parse(text, source)
+    except InputError as error:
+        if 'deeply' in error.reason:
+            raise InputError(source, error.reason) from error
+        found = []
+    if len(found) != 1 or not isinstance(found[0], Branch):
+        shown = text.strip()[:80]
+        raise InputError(source, f'"{shown}" is not one expression in balanced parentheses')
+    return found[0]
+
+
+def require_usual_numbers(tree: Branch, source: str) -> None:
+    """Raise InputError for numbers beyond any use."""
+    for word in words(tree):
+        if _HUGE_NUMBER.fullmatch(word):
+            shown = word[:40]
+            raise InputError(source, f'the number {shown} is too large or too small', word.line)
+
+
+def require_name(name: Word, source: str) -> None:
+    """Raise InputError for a name that no text of ours could hold safely, or at all."""
+    if not _NAME.fullmatch(name):
+        reason = f'"{name[:80]}" is no name: one begins with a letter, digit or _, and may have '
+        raise InputError(source, f'{reason}- . # @ / + after that', name.line)
+
+
+def words(tree: Tree) -> Iterator[Word]:
+    """Yield all words, in order."""
+    if isinstance(tree, Word):
+        yield tree
+    else:
+        for part in tree:
+            yield from words(part)
+
+
+def has_word(text: str, tree: Tree) -> bool:
+    """Say whether a word occurs in a tree."""
+    return any(found == text for found in words(tree))
+
+
+def branches(tree: Tree) -> Iterator[Branch]:
+    """Yield every branch, the outer ones first."""
+    if isinstance(tree, Branch):
+        yield tree
+        for part in tree:
+            yield from branches(part)
+
+
+def word(text: str, place: Tree) -> Word:
+    """Return a word that stands for what was at the place."""
+    made = Word(text)
+    made.line, made.column = place.line, place.column
+    return made
+
+
+def made(text: str, place: Tree) -> Branch:
+    """Return "(some (expression))", all of it at one place."""
+
+    def moved(tree: Tree) -> Tree:
+        if isinstance(tree, Word):
+            return word(tree, place)
+        return place_of(map(moved, tree))
+
+    def place_of(parts: Iterable[Tree]) -> Branch:
+        return Branch(parts, place.line, place.column)
+
+    moved_tree = moved(expression(text, 'made up'))
+    assert isinstance(moved_tree, Branch)
+    return moved_tree
+
+
+def as_text(tree: object) -> str:
+    """Return a tree as it stands in PDDL, with single spaces."""
+    if isinstance(tree, str):
+        return str(tree)
+    assert isinstance(tree, list)
+    return f'({" ".join(as_text(part) for part in tree)})'
+
+
+def substituted(tree: Tree, instead: dict[str, Tree]) -> Tree:
+    """Return the tree with other trees for some words."""
+    if isinstance(tree, Word):
+        return instead.get(tree, tree)
+    return tree.like(substituted(part, instead) for part in tree)
+
+
+def layout(tree: Branch) -> tuple[str, list[int]]:
+    """Return a text of the tree, and for each of its lines the line that it came from.
+
+    What stood on one line stands on one line again.
+    """
+    pieces: list[str] = []
+    lines = [tree.line]
+
+    def write(part: Tree) -> None:
+        if part.line != lines[-1]:
+            pieces.append('\n')
+            lines.append(part.line)
+        elif pieces and pieces[-1] not in ('(', '\n'):
+            pieces.append(' ')
+        if isinstance(part, Branch):
+            pieces.append('(')
+            for inner in part:
+                write(inner)
+            pieces.append(')')
+        else:
+            pieces.append(part)
+
+    write(tree)
+    return ''.join(pieces) + '\n', lines
