@@ -1,153 +1,287 @@
-"""One call: the robot's task and plan, and a user model, in; an explanation out.
+"""One call: what is known about the robot and its listener, and a question, in; an answer out.
 
-`prepare` does the slow part, planning for what the user may believe;
-`explain` answers from its result (VERBALIZE-PLAN in Algorithm 1).
+`explain` is VERBALIZE-PLAN of Algorithm 1, from a preparation (`listener/preparation.py`)
+with as much planning as there was time for.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from html import escape
 from typing import Any
 
-from mirror_explainer.errors import InputError, NoPlanError, PlanningError
+from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
-from mirror_explainer.listener.prior import belief_prior
-from mirror_explainer.listener.sentences import sentences_for
-from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.listeners import chosen
+from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.listener.preparation import Preparation, RobotPlan
+from mirror_explainer.listener.speech import reached, spoken
+from mirror_explainer.listener.wording import StepStatus
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
-from mirror_explainer.planning import Belief, BeliefPlans, Plan, Planner, Status, Stop
-from mirror_explainer.selection.algorithm import (
+from mirror_explainer.planning import Plan
+from mirror_explainer.selection.choice import (
     Selection,
-    decreasing,
-    increasing,
-    is_enough,
+    baseline,
     most_informative,
     smallest_sufficient,
 )
-from mirror_explainer.settings import PlanningSettings, Question
+from mirror_explainer.settings import Question
 
-
-@dataclass(frozen=True)
-class Seconds:
-    """Where the time went."""
-
-    read: float = 0.0
-    planning: float = 0.0
-    selection: float = 0.0
-
-
-@dataclass(frozen=True)
-class Preparation:
-    """All that is needed to answer at once: the mirror model, and what it cost.
-
-    `inputs` tells whoever made it which inputs it was made from. For `failed_beliefs`
-    the planner failed, and trying again may bring more.
-    """
-
-    model: MirrorModel
-    seconds: Seconds
-    planner_calls: int
-    inputs: str = ''
-    failed_beliefs: int = 0
+# The keys of an explanation as JSON, each also an attribute.
+_KEYS = (
+    'strategy', 'n', 'sentences', 'spoken', 'positions', 'actions', 'information_gain',
+    'doubt_before', 'doubt_after', 'cross_entropy_before', 'cross_entropy_after',
+    'understanding_before', 'understanding', 'true_goal', 'unmentioned', 'optimal', 'gap',
+    'complete', 'planned', 'covered_mass', 'unsolvable_mass', 'unknown_mass', 'plans_cut',
+    'listener', 'goals', 'facts', 'plan',
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Explanation:
     """What to say, and what it does to the listener's beliefs.
 
-    `selection` has the plan positions in plan order (from 0), the information
-    gain and its gap (nats). `said` are positions whose sentences were said
-    before: all quantities are conditioned on them.
+    Its attributes are the keys of the JSON (docs). `selection` has the plan positions in plan
+    order (from 0), the information gain and its gap (nats). `said` are positions whose
+    sentences were said before: all quantities are given these.
     """
 
-    strategy: str
     preparation: Preparation
+    model: MirrorModel
+    question: Question
     selection: Selection
     said: tuple[int, ...]
+    seconds_selecting: float = 0.0
+
+    @property
+    def strategy(self) -> str:
+        """How it was chosen what to say."""
+        return self.question.strategy
+
+    @property
+    def n(self) -> int:
+        """How many sentences are said."""
+        return len(self.positions)
+
+    @property
+    def positions(self) -> list[int]:
+        """The plan positions that are said, ascending."""
+        return list(self.selection.positions)
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """The sentences to say, in plan order."""
-        model = self.preparation.model
-        return tuple(model.sentences[position] for position in self.selection.positions)
+        return tuple(self.model.sentences[position] for position in self.positions)
 
     @property
-    def text(self) -> str:
-        """The answer as a person hears it: one sentence a line."""
-        if not self.preparation.model.sentences:
-            return 'Nothing is left to do: my goal is reached.'
-        if self.sentences:
-            return '\n'.join(self.sentences)
-        heard = {self.preparation.model.sentences[position] for position in self.said}
-        if heard.issuperset(self.preparation.model.sentences):
-            return 'You have heard every step of my plan.'
-        return 'There is nothing that you need to hear of my plan.'
+    def actions(self) -> list[str]:
+        """The ground actions that are said."""
+        return [self.model.plan.actions[position] for position in self.positions]
+
+    @cached_property
+    def spoken(self) -> str:
+        """The answer as a person hears it: like steps in one sentence, a sentence a line."""
+        sentences = self.preparation.sentences
+        if not self.model.sentences:
+            return reached(sentences, ())
+        if self.positions:
+            return spoken(sentences, [(action, StepStatus.AHEAD) for action in self.actions])
+        heard = {self.model.sentences[position] for position in self.said}
+        if heard.issuperset(self.model.sentences):
+            return sentences.phrases.all_heard
+        return sentences.phrases.nothing_more
+
+    @property
+    def _heard(self) -> list[int]:
+        return [*self.said, *self.positions]
+
+    @property
+    def information_gain(self) -> float:
+        """How much doubt was taken away, in nats."""
+        return self.selection.information_gain
+
+    @cached_property
+    def doubt_before(self) -> float:
+        """D(said) in nats."""
+        return self.model.doubt(self.said)
+
+    @cached_property
+    def doubt_after(self) -> float:
+        """D(said, o) in nats."""
+        return self.model.doubt(self._heard)
+
+    @cached_property
+    def cross_entropy_before(self) -> float:
+        """H(said) in nats (Eq. 1)."""
+        return self.model.cross_entropy(self.said)
+
+    @cached_property
+    def cross_entropy_after(self) -> float:
+        """H(said, o) in nats."""
+        return self.model.cross_entropy(self._heard)
+
+    @cached_property
+    def understanding_before(self) -> float:
+        """P(G = G_R | said), in [0, 1]."""
+        return self.model.understanding(self.said)
+
+    @cached_property
+    def understanding(self) -> float:
+        """P(G = G_R | said, o), in [0, 1]."""
+        return self.model.understanding(self._heard)
+
+    @property
+    def true_goal(self) -> str:
+        """The name of G_R."""
+        return self.model.robot_goal.name
+
+    @property
+    def unmentioned(self) -> list[str]:
+        """The parts of the robot's goal that no said sentence achieves, as PDDL."""
+        return [str(part) for part in self.model.unmentioned(self._heard)]
+
+    @property
+    def optimal(self) -> bool:
+        """Whether nothing of this size tells more."""
+        return self.selection.optimal
+
+    @property
+    def gap(self) -> float:
+        """How many nats more the best choice may tell."""
+        return self.selection.gap
+
+    @property
+    def complete(self) -> bool:
+        """Whether all of P(B) was planned for, and all plans asked for were looked for."""
+        return self.model.complete
+
+    @property
+    def planned(self) -> float:
+        """The share of P(B) that is planned for or proved unsolvable."""
+        return self.model.planned
+
+    @property
+    def covered_mass(self) -> float:
+        """The share of P(B) that was enumerated."""
+        return self.model.covered
+
+    @property
+    def unsolvable_mass(self) -> float:
+        """The share of P(B) that is proved to have no plan."""
+        return self.model.unsolvable
+
+    @property
+    def unknown_mass(self) -> float:
+        """The share of P(B) that is not planned for."""
+        return 1.0 - self.planned
+
+    @property
+    def plans_cut(self) -> int:
+        """The beliefs whose search for further plans was cut by time or number."""
+        return self.model.plans_cut
+
+    @property
+    def listener(self) -> dict[str, Any]:
+        """The listener's kind and numbers, as in the user model."""
+        return asdict(self.model.listener)
+
+    @cached_property
+    def goals(self) -> list[dict[str, Any]]:
+        """Each candidate's name, prior and posterior; last, nameless, those that lack a part."""
+        before = self.model.goal_posterior(self.said).tolist()
+        after = self.model.goal_posterior(self._heard).tolist()
+        names = [*(goal.name for goal in self.model.goals), None]
+        return [
+            {'name': name, 'prior': prior, 'posterior': posterior}
+            for name, prior, posterior in zip(names, before, after, strict=True)
+        ]
+
+    @cached_property
+    def facts(self) -> list[dict[str, Any]]:
+        """Each uncertain fact with prior, posterior, and whether it is true."""
+        before = self.model.fact_posterior(self.said)
+        after = self.model.fact_posterior(self._heard)
+        true = self.model.robot_belief.true_facts
+        return [
+            {'fact': f, 'prior': before[f], 'posterior': after[f], 'true': f in true}
+            for f in before
+        ]
+
+    @cached_property
+    def plan(self) -> list[dict[str, Any]]:
+        """Each step of the plan, with what its sentence alone would tell."""
+        rows = zip(
+            self.model.plan.actions,
+            self.model.sentences,
+            self.model.single_gains(self.said),
+            strict=True,
+        )
+        return [
+            {'position': i, 'action': action, 'sentence': sentence, 'information_gain': gain}
+            for i, (action, sentence, gain) in enumerate(rows)
+        ]
+
+    @property
+    def hypotheses(self) -> list[dict[str, Any]]:
+        """Each foreseen way, and each unforeseen one; their probabilities sum to 1."""
+        model = self.model
+        told = []
+        for index, hypothesis in enumerate(model.hypotheses):
+            aim, plan = hypothesis.aim, hypothesis.plan
+            name: str | None = model.goals[hypothesis.goal].name
+            row: dict[str, Any] = {
+                'goal': None if hypothesis.of_part else name,
+                'true_facts': None,
+                'plan': list(plan.actions) if plan else None,
+                'cost': plan.cost if plan else None,
+                'probability': hypothesis.probability,
+                'robot': index == model.robot,
+            }
+            if hypothesis.belief is not None:
+                row['true_facts'] = [f for f in model.facts if f in hypothesis.belief.true_facts]
+            if aim is not None:
+                row |= {'parts': [str(part) for part in aim.parts], 'ends': aim.positions}
+            told.append(row)
+        return told
 
     def as_dict(self, hypotheses: bool = True) -> dict[str, Any]:
         """Return the explanation as plain values, ready for JSON."""
-        model = self.preparation.model
-        positions = list(self.selection.positions)
-        heard = [*self.said, *positions]
-        before, after = model.goal_posterior(self.said), model.goal_posterior(heard)
-        explanation = {
-            'strategy': self.strategy,
-            'n': len(positions),
-            'sentences': list(self.sentences),
-            'positions': positions,
-            'actions': [model.plan.actions[position] for position in positions],
-            'information_gain': self.selection.information_gain,
-            'cross_entropy_before': model.cross_entropy(self.said),
-            'cross_entropy_after': model.cross_entropy(heard),
-            'understanding_before': model.understanding(self.said),
-            'understanding': model.understanding(heard),
-            'true_goal': model.robot_goal.name,
-            'optimal': self.selection.optimal,
-            'gap': self.selection.gap,
-            'complete': model.complete,
-            'covered_mass': model.covered_mass,
-            'unsolvable_mass': model.unsolvable_mass,
-            'unknown_mass': model.unknown_mass,
-            'stand_in_plans': model.stand_in_plans,
-            'goals': [
-                {'name': goal.name, 'prior': float(prior), 'posterior': float(posterior)}
-                for goal, prior, posterior in zip(model.goals, before, after, strict=True)
-            ],
-            'plan': [
-                {
-                    'position': position,
-                    'action': action,
-                    'sentence': sentence,
-                    'information_gain': model.information_gain([position], self.said),
-                }
-                for position, (action, sentence) in enumerate(
-                    zip(model.plan.actions, model.sentences, strict=True)
-                )
-            ],
-        }
+        told = {key: getattr(self, key) for key in _KEYS}
+        told['sentences'] = list(self.sentences)
         if hypotheses:
-            explanation['hypotheses'] = [
-                {
-                    'goal': model.goals[hypothesis.goal].name,
-                    'true_facts': list(hypothesis.true_facts),
-                    'plan': list(hypothesis.plan.actions),
-                    'cost': hypothesis.plan.cost,
-                    'optimal_plan': hypothesis.plan.optimal,
-                    'probability': hypothesis.probability,
-                    'robot': index == model.robot,
-                }
-                for index, hypothesis in enumerate(model.hypotheses)
+            told['hypotheses'] = self.hypotheses
+        seconds = replace(self.preparation.seconds, selection=self.seconds_selecting)
+        told['seconds'] = asdict(seconds)
+        told['planner_calls'] = self.preparation.planner_calls
+        return told
+
+    def __repr__(self) -> str:
+        return '\n'.join(
+            [
+                f'Explanation of {self.n} of {len(self.model.sentences)} steps:',
+                *(f'  {line}' for line in self.spoken.split('\n')),
+                f'  understood: {self.understanding_before:.0%} before, {self.understanding:.0%} '
+                f'after ("{self.true_goal}")',
             ]
-        explanation['seconds'] = asdict(self.preparation.seconds)
-        explanation['planner_calls'] = self.preparation.planner_calls
-        return explanation
+        )
+
+    def _repr_html_(self) -> str:
+        said = '<br>'.join(escape(line) for line in self.spoken.split('\n'))
+        rows = ''.join(
+            f'<tr><td>{escape(goal["name"] or "a part of these")}</td>'
+            f'<td>{goal["prior"]:.0%}</td><td>{goal["posterior"]:.0%}</td></tr>'
+            for goal in sorted(self.goals, key=lambda goal: -goal['posterior'])[:6]
+        )
+        head = '<tr><th>goal</th><th>before</th><th>after</th></tr>'
+        return f'<blockquote>{said}</blockquote><table>{head}{rows}</table>'
 
 
 def robot_plan(
     task: Task, text: str, source: str = 'plan', limits: InputLimits | None = None
-) -> Plan:
+) -> RobotPlan:
     """Return π_R from its text, checked against the task.
 
     Raises InputError for a text that is no plan of the task, NoPlanError for
@@ -164,143 +298,52 @@ def robot_plan(
             'the robot has no current plan',
             cure='Nothing is to be done if the robot has no task now: its next plan is explained.',
         ) from error
-    return Plan(tuple(step.action for step in steps), run.cost)
-
-
-def prepare(
-    task: Task,
-    plan: Plan | None,
-    user_model: UserModel,
-    planner: Planner,
-    *,
-    max_beliefs: int = PlanningSettings.max_beliefs,
-    plans_per_belief: int = PlanningSettings.plans_per_belief,
-    deadline: float | None = None,
-    cancelled: Stop | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> Preparation:
-    """Plan for every belief that the user may hold, and return the mirror model.
-
-    Without a `plan` the robot's own is planned too (line 2 of Algorithm 1).
-    `deadline` is in seconds, `cancelled` is the planner's; `progress` is told (done, all).
-    Raises PlanningError, Cancelled, and InputError.
-    """
-    started = time.perf_counter()
-    prior = belief_prior(task, user_model, max_beliefs)
-    told: set[Belief] = set()
-
-    def found(belief: Belief, _: BeliefPlans) -> None:
-        told.add(belief)
-        if progress:
-            progress(len(told), len(prior.beliefs))
-
-    if progress:
-        progress(0, len(prior.beliefs))
-    report = planner.plan(
-        prior.space,
-        prior.beliefs,
-        plans_per_belief=plans_per_belief,
-        deadline=deadline,
-        cancelled=cancelled,
-        found=found,
-    )
-    if plan is not None:
-        _require_truth(report.results[prior.robot_belief], plan)
-    own = plan or _planned(report.results[prior.robot_belief])
-    model = mirror_model(
-        prior,
-        report.results,
-        own,
-        sentences_for(task, user_model, own.actions),
-        user_model.rationality,
-    )
-    seconds = Seconds(planning=time.perf_counter() - started)
-    return Preparation(model, seconds, report.planner_calls, failed_beliefs=report.failed)
+    return RobotPlan(Plan(tuple(step.action for step in steps), run.cost), run)
 
 
 def explain(
     preparation: Preparation,
-    *,
-    strategy: str = 'informative',
-    n: int | None = Question.n,
-    threshold: float = 0.0,
+    question: Question | None = None,
     said: Sequence[str] = (),
     said_source: str = 'sentences said earlier',
-    selection_budget: float | None = Question.selection_budget,
 ) -> Explanation:
-    """Choose what to say: `n` sentences, or all with None.
+    """Choose what to say.
 
-    With a `threshold` (nats, above 0) only as many as bring the cross-entropy
-    below it, `n` at most. `said` are sentences that the listener has heard, from
-    `said_source`; `selection_budget` is in seconds. Raises InputError for a
-    sentence said that is not in the plan.
+    `said` are sentences that the listener has heard, from `said_source`. Raises InputError
+    for one that is not in the plan.
     """
     started = time.perf_counter()
-    model = preparation.model
+    question = question or Question()
+    listener = chosen(preparation.listener, question.listener, question.min_gain)
+    model = preparation.model_for(listener)
     heard = _positions_of(said, said_source, model)
-    evidence = model.evidence(heard)
-    at_most = len(evidence.positions) if n is None else n
-    required_gain = model.cross_entropy(heard) - threshold
-    if strategy != 'informative':
-        baseline = {'increasing': increasing, 'decreasing': decreasing}[strategy]
-        selection = baseline(evidence, at_most)
-        if threshold > 0:
-            size = len(selection.positions)
-            everything = baseline(evidence, len(evidence.positions)).information_gain
-            growing = (baseline(evidence, k) for k in range(size))
-            enough = (
-                s for s in growing if is_enough(s.information_gain, required_gain, everything)
-            )
-            selection = next(enough, selection)
-    elif threshold > 0:
-        selection = smallest_sufficient(evidence, required_gain, at_most, selection_budget)
-    else:
-        selection = most_informative(evidence, at_most, selection_budget)
-    seconds = replace(preparation.seconds, selection=time.perf_counter() - started)
-    return Explanation(strategy, replace(preparation, seconds=seconds), selection, heard)
-
-
-def _require_truth(result: BeliefPlans, robot_plan: Plan) -> None:
-    """Raise PlanningError if the planner says of b_R what π_R, which was checked, disproves."""
-    cheapest = min((plan.cost for plan in result.plans if plan.optimal), default=0.0)
-    if result.status is Status.UNSOLVABLE:
-        claim = 'that there is no plan'
-    elif cheapest > robot_plan.cost + 1e-6 * abs(cheapest):
-        claim = f'that no plan costs less than {cheapest:g}'
-    else:
-        return
-    raise PlanningError(
-        f'the planner is wrong: it says {claim}, where the robot has one that costs '
-        f'{robot_plan.cost:g}',
-        cure='Install the planner anew, or name another one.',
+    selection = _selection(model, question, heard)
+    return Explanation(
+        preparation, model, question, selection, heard, time.perf_counter() - started
     )
 
 
-def _planned(result: BeliefPlans) -> Plan:
-    """Return PLAN(P_R), or raise PlanningError if there is none."""
-    if result.status is Status.UNSOLVABLE:
-        raise PlanningError(
-            "the robot's own goal cannot be reached from its initial state",
-            cure='Correct the :init or the :goal of the problem.',
-        )
-    if result.status is Status.UNKNOWN:
-        raise PlanningError(
-            f"no plan was found for the robot's own goal ({result.reason})",
-            cure="Give planning more time or memory, or give the robot's plan.",
-        )
-    return result.plans[0]
+def _selection(model: MirrorModel, question: Question, heard: Sequence[int]) -> Selection:
+    evidence = model.evidence(heard)
+    nothing = Selection((), 0.0)
+    if not evidence.places or (heard and evidence.doubt_before < question.threshold):
+        return nothing
+    if question.strategy != 'informative':
+        return baseline(evidence, question.strategy, question.n, question.threshold)
+    budget = question.selection_budget
+    if question.threshold > 0:
+        return smallest_sufficient(evidence, question.threshold, question.n, budget)
+    return most_informative(evidence, question.n, budget, first=not heard)
 
 
 def _positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple[int, ...]:
-    """Return plan positions of the sentences that were said, as often as the plan has them."""
-    heard: dict[str, list[int]] = {}
+    """Return the plan positions that the sentences said stand for, ascending."""
+    places = dict(zip(model.told, model.places, strict=True))
     for sentence in said:
-        if sentence not in model.sentences:
+        if sentence not in places:
             raise InputError(
                 source,
                 f'no step of the plan is said as "{sentence}"',
                 cure='Leave it out, or give the plan and the user model it was said with.',
             )
-        places = [i for i, other in enumerate(model.sentences) if other == sentence]
-        heard[sentence] = places[: len(heard.get(sentence, [])) + 1]
-    return tuple(position for positions in heard.values() for position in positions)
+    return tuple(sorted({places[sentence][-1] for sentence in said}))

@@ -40,7 +40,7 @@ class PlanningSettings:
 
     planner: str = setting(FAST, "a unified-planning engine's name", fixed=True, metavar='ENGINE')
     plans_per_belief: int = setting(
-        300, 'optimal plans of a belief, at most', least=1, most=10_000, metavar='K'
+        1, 'optimal plans of a belief, at most', least=1, most=10_000, metavar='K'
     )
     max_beliefs: int = setting(
         1024, 'plan for so many of the most probable beliefs', least=1, most=1_000_000, metavar='M'
@@ -93,3 +93,8 @@ def settings_of(kind: type) -> Iterator[tuple[Field[Any], Meaning]]:
     """Yield the fields of one of the above with their meanings."""
     for item in fields(kind):
         yield item, item.metadata['meaning']
+
+
+def meaning_of(kind: type, name: str) -> Meaning:
+    """Return the meaning of one setting."""
+    return next(meaning for item, meaning in settings_of(kind) if item.name == name)

@@ -20,10 +20,12 @@ from mirror_explainer.commands.offline import (
 )
 from mirror_explainer.commands.options import number
 from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.listener.listeners import chosen
 from mirror_explainer.listener.mirror_model import MirrorModel
-from mirror_explainer.selection.algorithm import informative_order
-from mirror_explainer.selection.columns import TIE
-from mirror_explainer.settings import STRATEGIES
+from mirror_explainer.selection.baselines import ORDERS
+from mirror_explainer.selection.choice import informative_order
+from mirror_explainer.selection.enumeration import TIE
+from mirror_explainer.settings import LISTENERS, STRATEGIES
 
 # How sure of the goal the listener should be; 0.85 is the paper's headline.
 LEVELS = (0.5, 0.85, 0.95)
@@ -35,8 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         require_extras('experiments')
-        model = prepare_files(options).model
-        for warning in model.warnings:
+        preparation = prepare_files(options)
+        model = preparation.model_for(chosen(preparation.listener, options.listener))
+        for warning in preparation.warnings:
             print(f'compare: warning: {warning}', file=sys.stderr)
         if not model.sentences:
             raise InputError(
@@ -62,9 +65,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def spoken_orders(model: MirrorModel) -> str:
     """Return the paper's Table 1: all sentences in the order in which each strategy adds them."""
-    n = range(1, len(model.sentences) + 1)
-    informative = [model.sentences[s.position] for s in informative_order(model.evidence())]
-    rows = zip(n, model.sentences, model.sentences[::-1], informative, strict=True)
+    evidence = model.evidence()
+    informative = [model.sentences[added.position] for added in informative_order(evidence)]
+    increasing, decreasing = (
+        [model.sentences[evidence.positions[column]] for column in order(evidence)]
+        for order in ORDERS.values()
+    )
+    n = range(1, len(informative) + 1)
+    rows = zip(n, increasing, decreasing, informative, strict=True)
     headers = ['', 'Increasing order', 'Decreasing order', 'Informative order']
     return _table(list(rows), headers, maxcolwidths=[None, 44, 44, 44])
 
@@ -74,7 +82,7 @@ def gains(curves: Sequence[Mapping[str, Any]]) -> str:
     rows = [
         [row['n']]
         + [
-            f'{row[s]["understanding"]:4.0%} {row[s]["information_gain"]:6.2f}'
+            f'{row[s]["understanding"]:4.0%} {row[s]["information_gain"] + 0.0:6.2f}'
             for s in reversed(STRATEGIES)
         ]
         for row in curves
@@ -122,18 +130,17 @@ def hint(curves: Sequence[Mapping[str, Any]]) -> str:
     return (
         f'Hint: n: {n} makes the listener {achieved:.0%} sure of the goal; increasing takes '
         f'{increasing} sentences for {_RECOMMENDED:.0%}, decreasing {decreasing}.\n'
-        f'threshold: {threshold:.2f} (nats; -ln {_RECOMMENDED}) says as few as make the listener '
-        f'{_RECOMMENDED:.0%} sure of goal, plan and\nuncertain facts together, if the whole plan '
-        f'can: {sufficient(curves, threshold)} of this one. Set n to the most it may say.'
+        f'threshold: {threshold:.2f} (nats; -ln {_RECOMMENDED}) says as few as bring the doubt '
+        f'below it, if the whole plan can:\n{sufficient(curves, threshold)} of this one. Set n to '
+        'the most it may say.'
     )
 
 
 def sufficient(curves: Sequence[Mapping[str, Any]], threshold: float) -> int:
     """Return how many sentences `explain` says with this threshold, and no other limit."""
-    lowest = curves[-1]['informative']['cross_entropy']
-    entropies = [row['informative']['cross_entropy'] for row in curves]
+    doubts = [row['informative']['doubt'] for row in curves]
     return 1 + next(
-        i for i, entropy in enumerate(entropies) if entropy < threshold or entropy <= lowest + TIE
+        i for i, doubt in enumerate(doubts) if doubt < threshold or doubt <= min(doubts) + TIE
     )
 
 
@@ -155,6 +162,9 @@ def _parser() -> argparse.ArgumentParser:
         epilog='Exit status: 0, or 2 for bad input.',
     )
     add_file_arguments(parser)
+    parser.add_argument(
+        '--listener', choices=['', *LISTENERS], default='', help="empty: the user model's"
+    )
     add_planning_arguments(parser)
     output = parser.add_argument_group('output')
     output.add_argument(

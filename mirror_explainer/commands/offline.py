@@ -1,19 +1,28 @@
-"""What the commands without ROS share: their files and options in, a prepared model out."""
+"""What the commands without ROS share: their files and options in, a preparation out."""
 
 import argparse
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from mirror_explainer.commands.options import add_settings
-from mirror_explainer.errors import NoPlanError
-from mirror_explainer.explainer import Preparation, prepare, robot_plan
+from mirror_explainer.commands.options import add_settings, settings_from
+from mirror_explainer.errors import NoPlanError, PlanningError, told
+from mirror_explainer.explainer import robot_plan
 from mirror_explainer.listener.mirror_model import MirrorModel
-from mirror_explainer.listener.user_model import read_user_model
+from mirror_explainer.listener.preparation import (
+    Preparation,
+    RobotPlan,
+    plan_for_robot,
+    prepare,
+    refine,
+)
+from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.planning import Plan, Planner
-from mirror_explainer.selection.algorithm import Selection, curve, decreasing, increasing
+from mirror_explainer.planning import Planner
+from mirror_explainer.selection.baselines import ORDERS
+from mirror_explainer.selection.choice import Selection, baseline, curve
 from mirror_explainer.settings import PlanningSettings
 from mirror_explainer.text_files import read_text
 
@@ -36,35 +45,35 @@ def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
 def prepare_files(options: argparse.Namespace) -> Preparation:
     """Read the files and plan, as the options of both functions above say.
 
-    Raises InputError and PlanningError.
+    Where planning fails, what is known without it is returned, with a warning. Raises
+    InputError, and PlanningError if the robot's own plan was to be found and is not.
     """
     started = time.perf_counter()
     task = read_task(
         read_text(options.domain), read_text(options.problem), options.domain, options.problem
     )
-    plan = _given_plan(task, options.plan) if options.plan else None
+    given = _given_plan(task, options.plan) if options.plan else None
     user_model = read_user_model(options.user_model, task)
     read = time.perf_counter() - started
+    settings = settings_from(PlanningSettings, options)
     with Planner(
-        options.planner,
-        workers=options.workers,
-        planning_timeout=options.planning_timeout,
-        memory_limit=options.planner_memory_limit,
-        downward_binary=options.downward_binary,
+        settings.planner,
+        workers=settings.workers,
+        planning_timeout=settings.planning_timeout,
+        memory_limit=settings.planner_memory_limit,
+        downward_binary=settings.downward_binary,
     ) as planner:
-        preparation = prepare(
-            task,
-            plan,
-            user_model,
-            planner,
-            max_beliefs=options.max_beliefs,
-            plans_per_belief=options.plans_per_belief,
-            deadline=options.deadline,
-        )
+        own = given or _own_plan(task, user_model, planner, settings)
+        preparation = prepare(task, own, user_model, settings)
+        try:
+            preparation = refine(preparation, planner, progress=_show_progress)
+        except PlanningError as error:
+            warning = f'answered without planning: {told(error)}'
+            preparation = replace(preparation, warnings=(*preparation.warnings, warning))
     return replace(preparation, seconds=replace(preparation.seconds, read=read))
 
 
-def _given_plan(task: Task, path: str) -> Plan:
+def _given_plan(task: Task, path: str) -> RobotPlan:
     """Read and check the robot's plan."""
     try:
         return robot_plan(task, read_text(path), path)
@@ -73,20 +82,33 @@ def _given_plan(task: Task, path: str) -> Plan:
         raise NoPlanError(error.source, error.reason, cure=cure) from error
 
 
+def _own_plan(
+    task: Task, user_model: UserModel, planner: Planner, settings: PlanningSettings
+) -> RobotPlan:
+    plan = plan_for_robot(task, user_model, planner, settings)
+    return robot_plan(task, '\n'.join(plan.actions), 'the plan that was found')
+
+
+def _show_progress(done: int, beliefs: int) -> None:
+    """Tell on a terminal how far planning is, on a line that the next output overwrites."""
+    if sys.stderr.isatty():
+        words = f'planning {done} of {beliefs}' if done < beliefs else ''
+        print(f'\r{words:40}\r', end='', file=sys.stderr, flush=True)
+
+
 def strategy_curves(
     model: MirrorModel, said: Sequence[int] = (), budget: float | None = None
 ) -> list[dict[str, Any]]:
-    """Return, for every N from 1, what each strategy achieves; the budget is in seconds."""
+    """Return, for every N from 1, what each strategy achieves; the budget is in seconds.
+
+    Informative is what an answer of at most N sentences says.
+    """
     evidence = model.evidence(said)
-    best = curve(evidence, budget)
+    at_most = curve(evidence, budget)
     return [
-        {
-            'n': n,
-            'informative': _measures(best[n], model, said),
-            'increasing': _measures(increasing(evidence, n), model, said),
-            'decreasing': _measures(decreasing(evidence, n), model, said),
-        }
-        for n in range(1, len(evidence.positions) + 1)
+        {'n': n, 'informative': _measures(best, model, said)}
+        | {s: _measures(baseline(evidence, s, n), model, said) for s in ORDERS}
+        for n, best in enumerate(at_most, start=1)
     ]
 
 
@@ -95,6 +117,7 @@ def _measures(selection: Selection, model: MirrorModel, said: Sequence[int]) -> 
     return {
         'positions': list(selection.positions),
         'information_gain': selection.information_gain,
+        'doubt': model.doubt(heard),
         'cross_entropy': model.cross_entropy(heard),
         'understanding': model.understanding(heard),
         'gap': selection.gap,

@@ -1,213 +1,371 @@
 """The mirror model (Section 3 of the paper): P_R^H, the user's model of the robot, beside P_R.
 
-P_R is deterministic: belief b_R and plan π_R. P_R^H(O, Π, B) = P(O|Π) P(Π|B) P(B)
-is a set of hypotheses (b, π) with what the user would hear from each.
+P_R is deterministic: belief b_R and plan π_R. P_R^H(O, Π, B) = P(O|Π) P(Π|B) P(B) is a set
+of hypotheses: foreseen ways (b, π), what the robot would do by the listener's own planning,
+and unforeseen ones (g, ∗), which only have the ends of a goal (method, sections 1 and 2).
 """
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mirror_explainer.errors import PlanningError
+from mirror_explainer.listener.ends import Aim
+from mirror_explainer.listener.goals import Part
+from mirror_explainer.listener.listeners import Listener
 from mirror_explainer.listener.prior import Prior
-from mirror_explainer.listener.sentences import Sentences
+from mirror_explainer.listener.ratios import Ratios
 from mirror_explainer.listener.user_model import CandidateGoal
-from mirror_explainer.planning import BeliefPlans, Plan, Status
-from mirror_explainer.selection.columns import Columns
+from mirror_explainer.listener.way import Way
+from mirror_explainer.planning import Belief, BeliefPlans, Plan, Status
+from mirror_explainer.selection.evidence import ALL, BELIEF, FORESEEN, GOAL, Doubt, Evidence
 
-Array = NDArray[np.float64]
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """A belief that the user may hold, and a plan that the robot would then have.
+    """A way that the robot may be going: a belief with a plan, or an unforeseen way with an aim.
 
-    `goal` is an index into the model's goals; `probability` is P(b) P(π|b),
-    renormalised over what is known, so that all hypotheses sum to 1.
+    `goal` is an index into the model's goals, of an aim that lacks a part the goal it is
+    part of. `ratios` is the row of the model's ratios that it has. `probability` is as
+    P(b) P(π|b), renormalised, so that all hypotheses sum to 1.
     """
 
     goal: int
-    true_facts: tuple[str, ...]
-    plan: Plan
     probability: float
+    ratios: int
+    plan: Plan | None = None
+    belief: Belief | None = None
+    aim: Aim | None = None
 
-
-@dataclass(frozen=True)
-class Evidence:
-    """What saying each position of the robot's plan would tell: the input of Algorithm 1.
-
-    `prior`, shape (K,): weights w_k of the K distinct hypotheses, given what
-    was said before; they sum to 1. `ratio`, shape (K, P): the likelihood
-    ratios r_k(s_i) = P(s_i|π_k) / P(s_i|π_R) of the P positions that may be
-    said. `positions`, shape (P,): their places in the plan, ascending, from 0.
-    The robot's own hypothesis has ratio 1 everywhere.
-    """
-
-    prior: Array
-    ratio: Array
-    positions: NDArray[np.int64]
-
-    @cached_property
-    def columns(self) -> Columns:
-        """The positions as a search sees them."""
-        return Columns.of(self.prior, self.ratio)
-
-    def information_gain(self, columns: Sequence[int]) -> float:
-        """IG(o) = −log Σ_k w_k ∏_{i∈o} r_k(s_i), in nats (Eq. 3), o given as column indices."""
-        return float(-np.log(self.prior @ self.ratio[:, list(columns)].prod(axis=1)))
+    @property
+    def of_part(self) -> bool:
+        """Whether it is for a goal that lacks a part of a candidate."""
+        return self.aim is not None and self.aim.lacking is not None
 
 
 @dataclass(frozen=True)
 class MirrorModel:
-    """P_R^H as hypotheses (b_k, π_k), k = 0 … K−1, of which `robot` is (b_R, π_R).
+    """P_R^H for one listener, as hypotheses, of which `robot` is (b_R, π_R).
 
-    `goals` are the candidates with P(G). `sentences` are those of π_R, one a
-    plan position. `occurrences`, shape (K, P), counts how often π_k has the
-    sentence of position i; `length`, shape (K,), is |π_k|. The masses are
-    shares of P(B): enumerated, proved to have no plan, and not known.
-    `stand_in_plans` counts the beliefs whose optimal plan could not be found in
-    time, and which have another one instead. `warnings` say where the robot lies
-    outside the user's model, and what was left out.
+    `facts` are the uncertain ones with P(fact). `ratios`, shape (R, T), are the different
+    likelihood ratios P(s|way) / P(s|π_R) of the T different `told` sentences of π_R.
+    `planned` and `unsolvable` are shares of P(B): planned for or proved unsolvable, and the
+    latter alone; `covered` is the share that was enumerated. `plans_cut` counts the beliefs
+    of which not all plans were looked for, `cut_by_time` those of them that time cut.
     """
 
+    listener: Listener
     goals: tuple[CandidateGoal, ...]
+    facts: Mapping[str, float]
+    way: Way
+    told: tuple[str, ...]
     hypotheses: tuple[Hypothesis, ...]
     robot: int
-    sentences: tuple[str, ...]
-    occurrences: NDArray[np.int64]
-    length: NDArray[np.int64]
-    covered_mass: float = 1.0
-    unsolvable_mass: float = 0.0
-    unknown_mass: float = 0.0
-    stand_in_plans: int = 0
-    warnings: tuple[str, ...] = ()
+    ratios: Floats
+    covered: float = 1.0
+    planned: float = 1.0
+    unsolvable: float = 0.0
+    plans_cut: int = 0
+    cut_by_time: int = 0
 
     @property
     def plan(self) -> Plan:
         """π_R."""
-        return self.hypotheses[self.robot].plan
+        return self.way.plan
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The sentence of each position of π_R."""
+        return self.way.sentences
+
+    @property
+    def true_goal(self) -> int:
+        """The index of G_R."""
+        return self.hypotheses[self.robot].goal
 
     @property
     def robot_goal(self) -> CandidateGoal:
         """G_R."""
-        return self.goals[self.hypotheses[self.robot].goal]
+        return self.goals[self.true_goal]
+
+    @property
+    def robot_belief(self) -> Belief:
+        """b_R."""
+        belief = self.hypotheses[self.robot].belief
+        assert belief is not None
+        return belief
+
+    @property
+    def larger(self) -> list[bool]:
+        """For each goal, whether it has all that G_R has the robot bring about, and more."""
+        own = set(self.way.aims[self.true_goal][0].parts)
+        return [own < set(whole.parts) for whole, *_ in self.way.aims]
 
     @property
     def complete(self) -> bool:
-        """Whether every belief of the user model was enumerated, and planned for as asked."""
-        known = self.unknown_mass == 0.0 and self.stand_in_plans == 0
-        return known and self.covered_mass > 1.0 - 1e-9
+        """Whether all of P(B) was planned for, and all plans asked for were looked for."""
+        return self.planned > 1.0 - 1e-9 and not self.cut_by_time
+
+    @property
+    def doubt_measure(self) -> Doubt:
+        """D, as this listener has it."""
+        listener = self.listener
+        return Doubt(
+            listener.interest_in_facts, listener.interest_in_way, whole=not listener.is_open
+        )
 
     @cached_property
-    def prior(self) -> Array:
-        """P(π_k, b_k), shape (K,)."""
+    def prior(self) -> Floats:
+        """The probability of each hypothesis, shape (K,)."""
         return np.array([hypothesis.probability for hypothesis in self.hypotheses])
 
     @cached_property
-    def likelihood(self) -> Array:
-        """P(s_i|π_k) = count(s_i in π_k) / |π_k|, shape (K, P); an empty plan says nothing."""
-        return self.occurrences / np.maximum(self.length, 1)[:, None]
+    def _row(self) -> Ints:
+        """The row of ratios of each hypothesis, shape (K,)."""
+        return np.array([hypothesis.ratios for hypothesis in self.hypotheses], dtype=np.int64)
 
-    def log_likelihood(self, positions: Sequence[int]) -> Array:
-        """log P(o|π_k) = Σ_i log P(s_i|π_k), shape (K,), for o = the sentences said."""
-        with np.errstate(divide='ignore'):  # log 0 = −∞: π_k does not say this sentence
-            log_likelihood: Array = np.log(self.likelihood[:, list(positions)]).sum(axis=1)
-        return log_likelihood
+    @cached_property
+    def _counted(self) -> NDArray[np.bool_]:
+        """What each hypothesis counts as (the columns of Evidence.weight), shape (K, 4)."""
+        robot = self.robot_belief
+        own = [
+            (
+                h.goal == robot.goal and (h.aim is None or h.aim.lacking is None),
+                h.belief is not None,
+                h.belief == robot,
+            )
+            for h in self.hypotheses
+        ]
+        goal, foreseen, belief = np.array(own, dtype=bool).T
+        return np.stack([np.ones_like(goal), goal, goal & foreseen, belief], axis=1)
 
-    def log_posterior(self, positions: Sequence[int] = ()) -> Array:
-        """log P(π_k, b_k | o), where P ∝ P(b_k) P(π_k|b_k) P(o|π_k), shape (K,)."""
-        with np.errstate(divide='ignore'):
-            log_joint = np.log(self.prior) + self.log_likelihood(positions)
-        log_posterior: Array = log_joint - np.logaddexp.reduce(log_joint)
-        return log_posterior
+    @cached_property
+    def _goal_of(self) -> Ints:
+        """The goal of each hypothesis, shape (K,): one more than there are for a part of one."""
+        partial = len(self.goals)
+        return np.array(
+            [
+                h.goal if h.aim is None or h.aim.lacking is None else partial
+                for h in self.hypotheses
+            ],
+            dtype=np.int64,
+        )
+
+    @cached_property
+    def places(self) -> tuple[tuple[int, ...], ...]:
+        """The plan positions of each told sentence, ascending."""
+        found: dict[str, list[int]] = {sentence: [] for sentence in self.told}
+        for position, sentence in enumerate(self.sentences):
+            found[sentence].append(position)
+        return tuple(tuple(positions) for positions in found.values())
+
+    def columns(self, positions: Sequence[int]) -> list[int]:
+        """The columns of the different sentences said at these positions."""
+        column = {sentence: index for index, sentence in enumerate(self.told)}
+        return sorted({column[self.sentences[position]] for position in positions})
+
+    def joint(self, positions: Sequence[int] = ()) -> Floats:
+        """P(hypothesis, o) as a multiple of P(o|π_R), for the sentences o said, shape (K,)."""
+        fit = self.ratios[:, self.columns(positions)].prod(axis=1)
+        joint: Floats = self.prior * fit[self._row]
+        return joint
+
+    def posterior(self, positions: Sequence[int] = ()) -> Floats:
+        """P(hypothesis | o), shape (K,)."""
+        joint = self.joint(positions)
+        posterior: Floats = joint / joint.sum()
+        return posterior
 
     def cross_entropy(self, positions: Sequence[int] = ()) -> float:
         """H(P_R, P_R^H | o) = −log P(π_R, b_R | o) in nats (Eq. 1); 0 is full understanding."""
-        return max(0.0, -float(self.log_posterior(positions)[self.robot]))
+        return max(0.0, -math.log(self.posterior(positions)[self.robot]))
+
+    def doubt(self, positions: Sequence[int] = ()) -> float:
+        """D(o) in nats: what this listener does not know, once these positions were said."""
+        masses = self.joint(positions) @ self._counted
+        return float(self.doubt_measure.of(masses, self.prior[self.robot]))
 
     def information_gain(self, positions: Sequence[int], said: Sequence[int] = ()) -> float:
-        """IG(o) = H(P_R, P_R^H | said) − H(P_R, P_R^H | said, o) in nats (Eq. 2)."""
-        return self.cross_entropy(said) - self.cross_entropy([*said, *positions])
+        """D(said) − D(said, o) in nats; for the paper's listener Eq. 2."""
+        return self.doubt(said) - self.doubt([*said, *positions])
 
-    def goal_posterior(self, positions: Sequence[int] = ()) -> Array:
-        """P(G = g | o), shape (number of goals,)."""
-        goal = [hypothesis.goal for hypothesis in self.hypotheses]
-        weights = np.exp(self.log_posterior(positions))
-        return np.bincount(goal, weights, len(self.goals)).astype(np.float64)
+    def goal_posterior(self, positions: Sequence[int] = ()) -> Floats:
+        """P(G = g | o) of each goal, and of all that lack a part of one; sums to 1."""
+        goals = len(self.goals) + 1
+        return np.bincount(self._goal_of, self.posterior(positions), goals).astype(np.float64)
 
     def understanding(self, positions: Sequence[int] = ()) -> float:
         """P(G = G_R | o): how sure the user is of the robot's true goal, in [0, 1]."""
-        robot_goal = self.hypotheses[self.robot].goal
-        return min(1.0, float(self.goal_posterior(positions)[robot_goal]))
+        return min(1.0, float(self.goal_posterior(positions)[self.true_goal]))
+
+    def fact_posterior(self, positions: Sequence[int] = ()) -> dict[str, float]:
+        """P(fact | o) of each uncertain fact; in an unforeseen way facts keep their prior."""
+        weights = self.posterior(positions)
+        of_belief: Counter[frozenset[str]] = Counter()
+        foreseen = 0.0
+        for hypothesis, weight in zip(self.hypotheses, weights.tolist(), strict=True):
+            if hypothesis.belief is not None:
+                of_belief[hypothesis.belief.true_facts] += weight
+                foreseen += weight
+        return {
+            fact: min(
+                1.0,
+                sum(weight for facts, weight in of_belief.items() if fact in facts)
+                + max(0.0, 1.0 - foreseen) * probability,
+            )
+            for fact, probability in self.facts.items()
+        }
+
+    def unmentioned(self, positions: Sequence[int]) -> tuple[Part, ...]:
+        """The parts of G_R that the robot has yet to bring about and no said sentence achieves."""
+        said = {self.sentences[position] for position in positions}
+        own = self.way.aims[self.true_goal][0]
+        return tuple(
+            part
+            for part in own.parts
+            if part not in own.ends or self.sentences[own.ends[part]] not in said
+        )
+
+    def single_gains(self, said: Sequence[int] = ()) -> list[float]:
+        """The nats that the sentence of each plan position would tell by itself, 0 if said."""
+        evidence = self.evidence(said)
+        doubts = evidence.doubt.of(evidence.ratio.T @ evidence.weight, evidence.robot)
+        gains = dict.fromkeys(self.sentences, 0.0)
+        for places, doubt in zip(evidence.places, doubts.tolist(), strict=True):
+            gains[self.sentences[places[0]]] = evidence.doubt_before - doubt
+        return [gains[sentence] for sentence in self.sentences]
 
     def evidence(self, said: Sequence[int] = ()) -> Evidence:
         """Return what is left to say, given the positions whose sentences were said.
 
         A sentence that was said is not said again, wherever it stands.
-        Hypotheses that no sentence left can tell apart are merged.
         """
-        heard = {self.sentences[position] for position in said}
-        left = [i for i, sentence in enumerate(self.sentences) if sentence not in heard]
-        ratio = self.likelihood[:, left] / self.likelihood[self.robot, left]
-        distinct, merged_into = np.unique(ratio, axis=0, return_inverse=True)
-        weights = np.bincount(merged_into.reshape(-1), weights=np.exp(self.log_posterior(said)))
-        return Evidence(weights.astype(np.float64), distinct, np.array(left, dtype=np.int64))
+        heard = set(self.columns(said))
+        left = [column for column in range(len(self.told)) if column not in heard]
+        left.sort(key=lambda column: self.places[column][-1])
+        joint = self.joint(said)
+        weight = np.stack(
+            [
+                np.bincount(self._row, joint * self._counted[:, column], len(self.ratios))
+                for column in (ALL, GOAL, FORESEEN, BELIEF)
+            ],
+            axis=1,
+        )
+        possible = weight[:, ALL] > 0
+        return Evidence(
+            self.ratios[possible][:, left],
+            weight[possible] / joint.sum(),
+            float(joint[self.robot] / joint.sum()),
+            tuple(self.places[column] for column in left),
+            self.doubt_measure,
+            frozenset(index for index, column in enumerate(left) if column not in self._ends),
+            self.listener.min_gain,
+        )
+
+    @cached_property
+    def _ends(self) -> frozenset[int]:
+        """The columns of the sentences that are an end of some candidate; all to the planner's."""
+        if not self.listener.is_open:
+            return frozenset(range(len(self.told)))
+        ends = [position for whole, *_ in self.way.aims for position in whole.positions]
+        return frozenset(self.columns(ends))
 
 
 def mirror_model(
     prior: Prior,
-    results: Sequence[BeliefPlans],
-    robot_plan: Plan,
-    sentences: Sentences,
+    results: Mapping[Belief, BeliefPlans],
+    way: Way,
+    sentence_of: Callable[[str], str],
     rationality: float,
+    listener: Listener,
+    *,
+    one_plan: bool = True,
+    stop: Callable[[], None] = lambda: None,
 ) -> MirrorModel:
-    """Return P_R^H from P(B) and what planning found for each of its beliefs, in order.
+    """Return P_R^H from P(B) and what planning found so far for its beliefs.
 
-    Beliefs without a plan are left out, and the rest is renormalised. β is
-    `rationality`, in 1/cost unit. Raises PlanningError if planning failed for
-    every belief but the robot's own: nothing could be told apart.
+    `sentence_of` says a ground action; β is `rationality`, in 1/cost unit. `one_plan` says
+    that one plan a belief was asked for. `stop` is called now and then, and may raise to
+    end the work.
     """
-    weighed: list[Hypothesis] = []
-    mass = dict.fromkeys(Status, 0.0)
-    robot = 0
-    for index, (belief, probability, result) in enumerate(
-        zip(prior.beliefs, prior.probabilities, results, strict=True)
-    ):
-        plans, status = result.plans, result.status
-        if index == prior.robot_belief:
-            plans, status = _with_robot_plan(robot_plan, result.plans), Status.SOLVED
-            robot = len(weighed)
-        mass[status] += probability
-        true_facts = tuple(f for f in prior.space.uncertain_facts if f in belief.true_facts)
-        weighed += [
-            Hypothesis(belief.goal, true_facts, plan, probability * share)
-            for plan, share in zip(plans, plan_probabilities(plans, rationality), strict=True)
+    own_result = results.get(prior.beliefs[prior.robot_belief], _NOT_YET)
+    ratios = Ratios(listener, way, prior.robot_goal, sentence_of, own_result.plans)
+    mu, omega = listener.unforeseen, listener.partial_goals
+    foreseen: list[Hypothesis] = []
+    # The mass of each goal's unforeseen ways: their μ-share, and what was not planned for.
+    shares, unplanned = [np.zeros(len(prior.goals)) for _ in range(2)]
+    not_enumerated = np.array(prior.goal_masses)
+    planned = unsolvable = 0.0
+    robot = -1
+    for index, (belief, mass) in enumerate(zip(prior.beliefs, prior.probabilities, strict=True)):
+        if index % 256 == 0:
+            stop()
+        result = results.get(belief, _NOT_YET)
+        is_robot = index == prior.robot_belief
+        not_enumerated[belief.goal] -= mass
+        planned += mass * (result.status is not Status.UNKNOWN)
+        if result.status is Status.UNSOLVABLE and not is_robot:
+            unsolvable += mass
+            continue
+        plans = result.plans
+        if is_robot:
+            plans = _with_robot_plan(way.plan, plans, one_plan)
+        robot = len(foreseen) if is_robot else robot
+        foreseen += [
+            Hypothesis(
+                belief.goal, (1 - mu) * mass * p, ratios.of_plan(plan.actions), plan, belief
+            )
+            for plan, p in zip(plans, plan_probabilities(plans, rationality), strict=True)
         ]
-    _require_alternatives(prior, results)
-    total = math.fsum(hypothesis.probability for hypothesis in weighed)
-    hypotheses = tuple(
-        Hypothesis(h.goal, h.true_facts, h.plan, h.probability / total) for h in weighed
-    )
-    said = tuple(sentences.of(action) for action in robot_plan.actions)
-    counts = [Counter(map(sentences.of, h.plan.actions)) for h in hypotheses]
+        shares[belief.goal] += mu * mass
+        unplanned[belief.goal] += 0.0 if plans else (1 - mu) * mass
+    # Sums of floats leave something where there is nothing.
+    not_enumerated[not_enumerated < _ROUNDING * np.array(prior.goal_masses)] = 0.0
+    shares += mu * not_enumerated
+    unplanned += (1 - mu) * not_enumerated
+
+    means = _means(foreseen, prior.robot_goal, ratios)
+    unforeseen: list[Hypothesis] = []
+    for goal, (whole, *partial) in enumerate(way.aims):
+        lent = omega * shares[goal] if partial else 0.0
+        masses = [
+            shares[goal] - lent + unplanned[goal],
+            *[lent / max(1, len(partial))] * len(partial),
+        ]
+        unforeseen += [
+            Hypothesis(goal, float(mass), ratios.of_aim(aim, means), aim=aim)
+            for aim, mass in zip((whole, *partial), masses, strict=True)
+            if mass > 0.0
+        ]
+    hypotheses = [*foreseen, *unforeseen]
+    total = math.fsum(hypothesis.probability for hypothesis in hypotheses)
+    cut = [result.cut for result in results.values() if result.cut]
     return MirrorModel(
+        listener=listener,
         goals=prior.goals,
-        hypotheses=hypotheses,
+        facts=prior.facts,
+        way=way,
+        told=ratios.told,
+        hypotheses=tuple(replace(h, probability=h.probability / total) for h in hypotheses),
         robot=robot,
-        sentences=said,
-        occurrences=np.array([[count[s] for s in said] for count in counts], dtype=np.int64),
-        length=np.array([len(h.plan.actions) for h in hypotheses], dtype=np.int64),
-        covered_mass=prior.covered_mass,
-        unsolvable_mass=mass[Status.UNSOLVABLE],
-        unknown_mass=mass[Status.UNKNOWN],
-        stand_in_plans=len(_stand_ins(prior, results)),
-        warnings=(*prior.warnings, *_planning_warnings(prior, results)),
+        ratios=ratios.rows,
+        covered=prior.covered_mass,
+        planned=min(1.0, planned / math.fsum(prior.goal_masses)),
+        unsolvable=unsolvable,
+        plans_cut=len(cut),
+        cut_by_time=cut.count('time'),
     )
+
+
+_ROUNDING = 1e-12
+_NOT_YET = BeliefPlans(Status.UNKNOWN, reason='not planned for yet')
 
 
 def plan_probabilities(plans: Sequence[Plan], rationality: float) -> list[float]:
@@ -220,69 +378,29 @@ def plan_probabilities(plans: Sequence[Plan], rationality: float) -> list[float]
     return [weight / math.fsum(weights) for weight in weights]
 
 
-def _with_robot_plan(robot_plan: Plan, plans: Sequence[Plan]) -> tuple[Plan, ...]:
+def _with_robot_plan(robot_plan: Plan, plans: Sequence[Plan], one_plan: bool) -> tuple[Plan, ...]:
     """Return the plans known for b_R with π_R first.
 
-    P(o|π) ignores order, so π_R takes the place of a plan with the same
-    actions; failing that, of an only plan of the same cost: which of the equally
-    good plans an engine returns is an accident, and must not make the robot's
+    What is observed has no order, so π_R takes the place of a plan with the same actions.
+    Where one plan was asked for, it takes the place of that if it costs the same: which of
+    the equally good plans an engine returns is an accident, and must not make the robot's
     own plan look one half as likely.
     """
-    proved = any(plan.optimal and plan.cost == robot_plan.cost for plan in plans)
     robot_actions = Counter(robot_plan.actions)
-    same = [plan for plan in plans if Counter(plan.actions) == robot_actions]
-    as_good = [plan for plan in plans if plan.cost == robot_plan.cost and len(plans) == 1]
-    replaced = [*same, *as_good][:1]
-    own = replace(robot_plan, optimal=proved)
-    return (own, *(plan for plan in plans if plan not in replaced))
+    replaced = [
+        plan
+        for plan in plans
+        if (one_plan and plan.cost == robot_plan.cost) or Counter(plan.actions) == robot_actions
+    ]
+    return (robot_plan, *(plan for plan in plans if plan not in replaced[:1]))
 
 
-def _require_alternatives(prior: Prior, results: Sequence[BeliefPlans]) -> None:
-    """Raise PlanningError if all that could be known, beside b_R, stayed unknown."""
-    others = [result for i, result in enumerate(results) if i != prior.robot_belief]
-    unknown = [result for result in others if result.status is Status.UNKNOWN]
-    if unknown and not any(result.status is Status.SOLVED for result in others):
-        raise PlanningError(
-            f'no plan was found for any other belief that the user may hold ({unknown[0].reason})',
-            cure='Raise planning_timeout and deadline, or give the user model fewer beliefs.',
-        )
+def _means(foreseen: Sequence[Hypothesis], goal: int, ratios: Ratios) -> Floats:
+    """The share of the robot's goal's foreseen ways that have each sentence, shape (T,).
 
-
-def _stand_ins(prior: Prior, results: Sequence[BeliefPlans]) -> list[BeliefPlans]:
-    """Return the results that hold a plan in place of an optimal one; b_R has π_R anyway.
-
-    An engine that never proves its plans optimal gives no reason: it was asked for.
+    That is what a means weighs in an unforeseen way: how the robot goes about a goal tells
+    nothing about the goal to those who cannot foresee it.
     """
-    return [
-        result
-        for index, result in enumerate(results)
-        if result.reason
-        and index != prior.robot_belief
-        and not all(plan.optimal for plan in result.plans)
-    ]
-
-
-def _planning_warnings(prior: Prior, results: Sequence[BeliefPlans]) -> Iterator[str]:
-    """Name the candidate goals that no belief can reach, and say what stayed unknown."""
-    statuses: dict[int, set[Status]] = {}
-    for index, (belief, result) in enumerate(zip(prior.beliefs, results, strict=True)):
-        status = Status.SOLVED if index == prior.robot_belief else result.status
-        statuses.setdefault(belief.goal, set()).add(status)
-    unreachable = [
-        f'"{prior.goals[goal].name}"'
-        for goal, found in sorted(statuses.items())
-        if found == {Status.UNSOLVABLE}
-    ]
-    if unreachable:
-        more = f' and {len(unreachable) - 3} more' if len(unreachable) > 3 else ''
-        named = ', '.join(unreachable[:3])
-        yield f'candidate goals that cannot be reached are left out: {named}{more}'
-    stand_ins = _stand_ins(prior, results)
-    if stand_ins:
-        yield f'{len(stand_ins)} of {len(results)} beliefs have {stand_ins[0].reason}'
-    unknown = [result for result in results if result.status is Status.UNKNOWN]
-    if unknown:
-        yield (
-            f'{len(unknown)} of {len(results)} beliefs are left out, since planning for them '
-            f'gave no result ({unknown[0].reason})'
-        )
+    own = [h for h in foreseen if h.goal == goal]
+    mass = np.array([h.probability for h in own])
+    return np.asarray(mass @ (ratios.rows[[h.ratios for h in own]] > 0) / mass.sum())

@@ -13,8 +13,9 @@ from itertools import islice
 from typing import Any
 
 from mirror_explainer.errors import did_you_mean
+from mirror_explainer.listener.goals import Part, parts_of
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel
-from mirror_explainer.pddl import Task, goal_expression, literals
+from mirror_explainer.pddl import Task, goal_expression
 from mirror_explainer.planning import Belief, BeliefSpace
 from mirror_explainer.settings import PlanningSettings
 
@@ -28,23 +29,38 @@ _MOST_COMPARISONS = 2000
 class Prior:
     """P(B) over the enumerated beliefs, the most probable first.
 
-    `goals` are the distinct candidates with P(G), those of probability 0 last, the
-    robot's own added where the user model lacks it. `beliefs` and `probabilities` go together;
-    `robot_belief` is the index of b_R. `warnings` say where the robot lies
-    outside the user's model.
+    `goals` are the distinct candidates that are possible, the robot's own among them, with
+    P(G); `parts` are those of each. `facts` are the uncertain ones with the probability that
+    each holds. `beliefs` and `probabilities` go together; `robot_belief` is the index of b_R.
+    `goal_masses` are what all beliefs of each goal have together, enumerated or not.
+    `warnings` say where the robot lies outside the user's model.
     """
 
     space: BeliefSpace
     goals: tuple[CandidateGoal, ...]
+    parts: tuple[tuple[Part, ...], ...]
+    facts: Mapping[str, float]
     beliefs: tuple[Belief, ...]
     probabilities: tuple[float, ...]
     robot_belief: int
+    goal_masses: tuple[float, ...]
     warnings: tuple[str, ...]
+
+    @property
+    def robot_goal(self) -> int:
+        """The index of G_R."""
+        return self.beliefs[self.robot_belief].goal
 
     @property
     def covered_mass(self) -> float:
         """The probability of all enumerated beliefs together, 1 unless they were cut off."""
         return min(1.0, math.fsum(self.probabilities))
+
+    @property
+    def to_plan_for(self) -> tuple[Belief, ...]:
+        """The beliefs in the order in which planning tells most: b_R, others of G_R, the rest."""
+        robot = self.beliefs[self.robot_belief]
+        return tuple(sorted(self.beliefs, key=lambda b: (b != robot, b.goal != robot.goal)))
 
 
 @dataclass(frozen=True)
@@ -68,7 +84,8 @@ def belief_prior(
 
     At most `max_beliefs` are taken, and b_R always is one of them.
     """
-    goals, robot_goal, warnings = _distinct_goals(task, user_model)
+    candidates, robot_goal, warnings = _distinct_goals(task, user_model)
+    goals = tuple(goal for goal, _ in candidates)
     warnings += _misspelt_objects(task, user_model)
     factors = [
         _Factor(
@@ -98,54 +115,68 @@ def belief_prior(
         taken.pop(robot, None)
         taken = dict([*taken.items()][: max_beliefs - 1]) | {robot: robot_probability}
         taken = dict(sorted(taken.items(), key=lambda item: -item[1]))
-    # What no belief has must change nothing, and a hard goal or fact may take the fast way
-    # of planning from the others.
-    texts = [goals[index].goal for index in sorted(factors[0].possible)]
+    contradicted = robot_probability if scale < 1.0 else 0.0
+    # What no belief has must change nothing, and a hard fact may take the fast way of planning
+    # from the others.
     held = {fact for factor in factors[1:] for facts in factor.possible for fact in facts}
-    named = [*user_model.uncertain_facts, *(fact for group in user_model.one_of for fact in group)]
-    facts = [fact for fact in named if fact in held]
+    facts = [fact for fact in user_model.fact_probabilities if fact in held]
     return Prior(
-        space=BeliefSpace(task.domain, task.problem, tuple(texts), tuple(facts)),
+        space=BeliefSpace(
+            task.domain, task.problem, tuple(goal.goal for goal in goals), tuple(facts)
+        ),
         goals=goals,
+        parts=tuple(parts for _, parts in candidates),
+        facts=user_model.fact_probabilities,
         beliefs=tuple(taken),
         probabilities=tuple(taken.values()),
         robot_belief=list(taken).index(robot),
+        goal_masses=tuple(
+            scale * goal.probability + contradicted * (index == robot_goal)
+            for index, goal in enumerate(goals)
+        ),
         warnings=tuple(warnings),
     )
 
 
 def _distinct_goals(
     task: Task, user_model: UserModel
-) -> tuple[tuple[CandidateGoal, ...], int, list[str]]:
-    """Return the distinct candidate goals, the index of G_R, and warnings.
+) -> tuple[list[tuple[CandidateGoal, tuple[Part, ...]]], int, list[str]]:
+    """Return the possible candidate goals with their parts, the index of G_R, and warnings.
 
-    Goals are equal when they are the same set of literals; equal candidates
-    become one, under the first one's name. Those that the robot may have come first.
+    Goals are equal when they mean the same; equal candidates become one, under the first
+    one's name. The robot's own is possible whatever the user model says.
     """
     warnings = []
-    distinct: dict[Hashable, CandidateGoal] = {}
+    distinct: dict[frozenset[Part], CandidateGoal] = {}
+    written: dict[frozenset[Part], tuple[Part, ...]] = {}
     for goal in user_model.goals:
-        key = literals(goal_expression(task.model, goal.goal))
-        if key in distinct:
-            first = distinct[key]
+        parts = parts_of(goal_expression(task.model, goal.goal), task.model)
+        meaning = frozenset(parts)
+        if meaning in distinct:
+            first = distinct[meaning]
             warnings.append(f'the candidates "{first.name}" and "{goal.name}" are the same goal')
-            distinct[key] = replace(first, probability=first.probability + goal.probability)
+            distinct[meaning] = replace(first, probability=first.probability + goal.probability)
         else:
-            distinct[key] = goal
-    robot_goal = literals(task.goal)
-    if robot_goal not in distinct:
+            distinct[meaning], written[meaning] = goal, parts
+    own_parts = parts_of(task.goal, task.model)
+    own = frozenset(own_parts)
+    if own not in distinct:
         unlisted = user_model.unlisted_goal_probability
         distinct = {
-            key: replace(goal, probability=(1.0 - unlisted) * goal.probability)
-            for key, goal in distinct.items()
+            meaning: replace(goal, probability=(1.0 - unlisted) * goal.probability)
+            for meaning, goal in distinct.items()
         }
-        distinct[robot_goal] = CandidateGoal(task.goal_text, task.goal_text, unlisted)
+        distinct[own] = CandidateGoal(task.goal_text, task.goal_text, unlisted)
+        written[own] = own_parts
         warnings.append(
             f"the robot's goal {task.goal_text} is not among the user model's candidates; "
             f'it was added with probability {unlisted:g}'
         )
-    keys = sorted(distinct, key=lambda key: not distinct[key].probability and key != robot_goal)
-    return tuple(distinct[key] for key in keys), keys.index(robot_goal), warnings
+    possible = [
+        meaning for meaning, goal in distinct.items() if goal.probability or meaning == own
+    ]
+    candidates = [(distinct[meaning], written[meaning]) for meaning in possible]
+    return candidates, possible.index(own), warnings
 
 
 def _misspelt_objects(task: Task, user_model: UserModel) -> Iterator[str]:

@@ -6,13 +6,14 @@ All faults of a file are reported in one error, each with its line.
 import math
 import os
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.listeners import LISTENERS, OPEN, Listener
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.user_model_checks import (
     atoms,
@@ -60,9 +61,16 @@ class UserModel:
     one_of: tuple[Mapping[str, float], ...] = ()
     rationality: float = 1.0
     unlisted_goal_probability: float = 0.05
+    listener: Listener = OPEN
     templates: Mapping[str, Template] = field(default_factory=dict)
     objects: Mapping[str, str] = field(default_factory=dict)
     phrases: Phrases = field(default_factory=Phrases)
+
+    @property
+    def fact_probabilities(self) -> dict[str, float]:
+        """The probability that each fact holds which is uncertain, by itself or in a group."""
+        groups = {fact: p for group in self.one_of for fact, p in group.items()}
+        return {**self.uncertain_facts, **groups}
 
 
 def read_user_model(
@@ -116,6 +124,9 @@ def _user_model(file: UserModelFile, goals: Sequence[GoalEntry]) -> UserModel:
         ),
         rationality=file.rationality,
         unlisted_goal_probability=file.unlisted_goal_probability,
+        listener=replace(
+            LISTENERS[file.listener.kind], **file.listener.model_dump(exclude_none=True)
+        ),
         templates={action.lower(): _template(entry) for action, entry in file.sentences.items()},
         objects={name.lower(): called for name, called in file.objects.items()},
         phrases=Phrases.of(file.phrases),

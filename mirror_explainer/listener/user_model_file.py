@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
@@ -73,6 +73,18 @@ class SentenceEntry(_Section):
         return self
 
 
+class _ListenerEntry(_Section):
+    """Who listens: a kind, and numbers that differ from those of its kind."""
+
+    kind: Literal['open', 'planner'] = 'open'
+    unforeseen: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] | None = None
+    partial_goals: _Probability | None = None
+    other_ends: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] | None = None
+    interest_in_facts: _Probability | None = None
+    interest_in_way: _Probability | None = None
+    min_gain: _Weight | None = None
+
+
 class UserModelFile(_Section):
     """The file's schema; what only the domain can tell is checked afterwards."""
 
@@ -90,6 +102,9 @@ class UserModelFile(_Section):
     ] = {}
     objects: dict[str, _Text] = {}
     phrases: dict[str, str] = {}
+    listener: Annotated[
+        _ListenerEntry, BeforeValidator(lambda v: {'kind': v} if isinstance(v, str) else v)
+    ] = _ListenerEntry()
 
 
 _FIELDS = {
@@ -97,6 +112,7 @@ _FIELDS = {
     'uncertain_facts': _UncertainFact.model_fields,
     'one_of': _OneOf.model_fields,
     'sentences': SentenceEntry.model_fields,
+    'listener': _ListenerEntry.model_fields,
 }
 # Far more than a model without aliases has.
 _MOST_NODES = 100_000
@@ -250,6 +266,9 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
         keys = ['"template" and "when"'] if len(detail['loc']) == 2 else []
         mappings = ', or '.join([*keys, '"future", "present" and "past"'])
         return f'this should be the sentence as a text, or a mapping with {mappings}'
+        return 'this should be the sentence as a text, or a mapping with "template" and "when"'
+    if detail['type'] == 'model_type' and detail['loc'][0] == 'listener':
+        return 'this should be open or planner, or a mapping with "kind" and numbers'
     if detail['type'] in ('model_type', 'dict_type'):
         return 'this should be a mapping: "key: value" lines, or {key: value}'
     if detail['type'] == 'list_type':

@@ -6,7 +6,8 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mirror_explainer.explainer import Explanation, Preparation, explain
+from mirror_explainer.explainer import Explanation, explain
+from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.settings import Question
 
 # How long a call waits for its turn, in seconds: with `remember` each has an answer of its own.
@@ -108,17 +109,10 @@ class Answers:
         asked = (question, said)
         made = self._made.get(bool(said))
         if made is None or made.asked != asked:
-            explanation = explain(
-                preparation,
-                strategy=question.strategy,
-                n=question.n,
-                threshold=question.threshold,
-                selection_budget=question.selection_budget,
-                said=said,
-            )
+            explanation = explain(preparation, question, said)
             values = {**explanation.as_dict(hypotheses=False), 'inputs': preparation.inputs}
             report = json.dumps(values, ensure_ascii=False)
-            made = _Made(asked, explanation, printable(explanation.text), printable(report))
+            made = _Made(asked, explanation, printable(explanation.spoken), printable(report))
             self._made[bool(said)] = made
         return made
 

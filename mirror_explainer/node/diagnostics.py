@@ -95,11 +95,12 @@ def _verdict(
             "See whether the robot's planner still runs: the answers are about its last plan.",
         )
     if not model.complete:
-        left_out = f'{model.covered_mass:.0%} of P(B) within max_beliefs'
-        why = [left_out] if model.covered_mass < 1.0 - 1e-9 else []
+        left_out = f'{model.covered:.0%} of P(B) within max_beliefs'
+        why = [left_out] if model.covered < 1.0 - 1e-9 else []
         return (
             Level.WARN,
-            f'{readiness.message}, but not for all beliefs: {"; ".join([*why, *model.warnings])}',
+            f'{readiness.message}, but not for all beliefs: '
+            + '; '.join([*why, *readiness.preparation.warnings]),
             'Raise deadline, planning_timeout or max_beliefs, or let the user model have fewer '
             'beliefs.',
         )
@@ -182,11 +183,11 @@ def _work(readiness: Readiness, history: History, answer: Explanation | None) ->
             'seconds planning': f'{seconds.planning:.3f}',
             'planner calls': str(readiness.preparation.planner_calls),
             'hypotheses': str(len(model.hypotheses)),
-            'covered mass': f'{model.covered_mass:.6f}',
-            'unsolvable mass': f'{model.unsolvable_mass:.6f}',
-            'unknown mass': f'{model.unknown_mass:.6f}',
-            'stand-in plans': str(model.stand_in_plans),
-            'warnings': '; '.join(model.warnings) or 'none',
+            'covered mass': f'{model.covered:.6f}',
+            'unsolvable mass': f'{model.unsolvable:.6f}',
+            'unknown mass': f'{1.0 - model.planned:.6f}',
+            'planned': f'{model.planned:.6f}',
+            'warnings': '; '.join(readiness.preparation.warnings) or 'none',
         }
     return values
 

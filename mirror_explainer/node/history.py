@@ -56,8 +56,8 @@ def news(before: Readiness, now: Readiness) -> Iterator[tuple[int, str]]:
         level = logging.ERROR if now.phase is Phase.ERROR else logging.INFO
         yield level, with_cure(now.message, now.cure)
         return
-    known = before.preparation.model.warnings if before.preparation else ()
-    for warning in preparation.model.warnings:
+    known = before.preparation.warnings if before.preparation else ()
+    for warning in preparation.warnings:
         if warning not in known:
             yield logging.WARNING, warning
     yield (

@@ -8,8 +8,9 @@ from dataclasses import replace
 from functools import partial
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
-from mirror_explainer.explainer import Preparation, prepare, robot_plan
+from mirror_explainer.explainer import robot_plan
 from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.preparation import Preparation, prepare, refine
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.readiness import Phase, Readiness
@@ -109,17 +110,8 @@ class Maker:
         stop.check()
         user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
         read = time.perf_counter() - started
-        preparation = prepare(
-            task,
-            plan,
-            user_model,
-            self._ready_planner(),
-            max_beliefs=inputs.planning.max_beliefs,
-            plans_per_belief=inputs.planning.plans_per_belief,
-            deadline=inputs.planning.deadline,
-            cancelled=stop,
-            progress=progress,
-        )
+        preparation = prepare(task, plan, user_model, inputs.planning)
+        preparation = refine(preparation, self._ready_planner(), cancelled=stop, progress=progress)
         seconds = replace(preparation.seconds, read=read)
         return replace(preparation, seconds=seconds, inputs=self._as_read(inputs).digest)
 

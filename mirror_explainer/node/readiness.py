@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from enum import Enum
 
-from mirror_explainer.explainer import Preparation
+from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.node.inputs import Inputs
 from mirror_explainer.node.moment import Moment
 

@@ -1,6 +1,12 @@
 """PDDL texts in: tasks, their atoms and goals, and the states that actions lead to."""
 
-from mirror_explainer.pddl.atoms import atom_text, conjuncts, ground_text, literals, words_of
+from mirror_explainer.pddl.atoms import (
+    atom_text,
+    condition_text,
+    conjuncts,
+    ground_text,
+    words_of,
+)
 from mirror_explainer.pddl.task import (
     Task,
     fluent_expression,
@@ -13,12 +19,12 @@ from mirror_explainer.pddl.task import (
 __all__ = [
     'Task',
     'atom_text',
+    'condition_text',
     'conjuncts',
     'fluent_expression',
     'forget_expressions',
     'goal_expression',
     'ground_text',
-    'literals',
     'read_task',
     'require_definition',
     'words_of',

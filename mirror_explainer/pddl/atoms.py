@@ -27,11 +27,6 @@ def conjuncts(goal: up.FNode) -> list[up.FNode]:
     return [] if goal.is_true() else [goal]
 
 
-def literals(goal: up.FNode) -> frozenset[up.FNode]:
-    """Return the conjuncts of a goal. Two goals are equal when these sets are equal."""
-    return frozenset(conjuncts(goal))
-
-
 def fluents_in(*expressions: up.FNode) -> set[up.Fluent]:
     """Return the fluents in some expressions, under quantifiers, too."""
     return {
@@ -44,3 +39,24 @@ def effects_in(action: up.Action) -> list[up.Effect]:
     if isinstance(action, up.DurativeAction):
         return [effect for timed in action.effects.values() for effect in timed]
     return list(action.effects)
+
+
+def condition_text(condition: up.FNode) -> str:
+    """Return a ground condition as PDDL text in lower case, such as "(not (door-open d1))"."""
+    if condition.is_fluent_exp():
+        return atom_text(condition)
+    for connective, is_one in (
+        ('not', condition.is_not()),
+        ('and', condition.is_and()),
+        ('or', condition.is_or()),
+        ('<=', condition.is_le()),
+        ('<', condition.is_lt()),
+        ('=', condition.is_equals()),
+        ('+', condition.is_plus()),
+        ('-', condition.is_minus()),
+        ('*', condition.is_times()),
+        ('/', condition.is_div()),
+    ):
+        if is_one:
+            return f'({" ".join([connective, *map(condition_text, condition.args)])})'
+    return str(condition).lower()

@@ -1,4 +1,4 @@
-"""What is selected: the same as enumeration, for every N, however the evidence is written."""
+"""What is selected: the same as looking at every set, however the evidence is written."""
 
 import itertools
 import math
@@ -6,360 +6,267 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mirror_explainer.listener.mirror_model import Evidence
-from mirror_explainer.selection.algorithm import (
+from mirror_explainer.selection import choice
+from mirror_explainer.selection.choice import (
+    baseline,
+    best_of_each,
     curve,
-    decreasing,
-    increasing,
     informative_order,
     most_informative,
     smallest_sufficient,
 )
+from mirror_explainer.selection.evidence import Doubt, Evidence
+from mirror_explainer.selection.search import least_doubt
 
 generated = settings(
     derandomize=True,
     deadline=None,
-    max_examples=40,
+    max_examples=60,
     suppress_health_check=[HealthCheck.too_slow],
 )
+DOUBTS = {'open': Doubt(0.05), 'curious': Doubt(0.3, 0.2), 'planner': Doubt(whole=True)}
 
 
 @st.composite
-def evidences(draw, largest=9):
-    """Evidence as plans give it: repeated sentences, sentences lacking, ratios above 1."""
-    positions = draw(st.integers(1, largest))
-    sentences = draw(st.integers(1, positions))
-    others = draw(st.integers(0, 8))
+def evidences(draw, largest=8):
+    """Evidence as mirror models give it, of all kinds of listeners."""
+    sentences = draw(st.integers(1, largest))
+    kinds = draw(st.integers(0, 7))
     ratios = draw(
         st.sampled_from(
             [
                 st.sampled_from([0.0, 1.0]),
-                st.sampled_from([0.0, 0.5, 1.0, 2.0]),
+                st.sampled_from([0.0, 0.05, 1.0, 20.0]),
                 st.floats(0.01, 3.0),
-                st.one_of(st.just(0.0), st.floats(0.3, 3.0)),
             ]
         )
     )
     rows = [[1.0] * sentences]
-    rows += [[draw(ratios) for _ in range(sentences)] for _ in range(others)]
-    said = [draw(st.integers(0, sentences - 1)) for _ in range(positions)]
-    weights = [draw(st.sampled_from([1e-12, 1e-6, 0.05, 1.0]))]
-    weights += [draw(st.sampled_from([0.0, 1.0, 1.0, 0.3])) for _ in range(others)]
-    return Evidence(
-        prior=np.array(weights) / sum(weights),
-        ratio=np.array(rows)[:, said],
-        positions=np.cumsum([draw(st.integers(1, 3)) for _ in range(positions)]),
-    )
-
-
-def evidence(prior, ratio):
-    """Evidence about all positions of a plan."""
-    return Evidence(np.array(prior), np.array(ratio), np.arange(len(ratio[0])))
-
-
-def enumerated(evidence, n):
-    """Algorithm 1 as the paper writes it: all combinations, and the rule for ties."""
-    columns = list(itertools.combinations(range(len(evidence.positions)), n))
-    gains = np.array([evidence.information_gain(o) for o in columns])
-    single = [evidence.information_gain([i]) for i in range(len(evidence.positions))]
-    sums = np.array([sum(single[i] for i in o) for o in columns])
-    tied = gains >= gains.max() - 1e-9
-    tied &= sums >= sums[tied].max() - 1e-9
-    first = columns[int(np.flatnonzero(tied)[0])]
-    return tuple(int(evidence.positions[i]) for i in first), float(gains.max())
-
-
-@generated
-@given(evidences(largest=10))
-def test_every_n_gives_the_positions_and_the_gain_of_enumeration(evidence):
-    for n in range(len(evidence.positions) + 1):
-        positions, gain = enumerated(evidence, n)
-
-        selection = most_informative(evidence, n)
-
-        assert selection.positions == positions
-        assert selection.information_gain == pytest.approx(gain, abs=2e-9)
-        assert selection.optimal
-
-
-@settings(generated, max_examples=4)
-@given(evidences(largest=12))
-def test_plans_of_twelve_actions_agree_with_enumeration_too(evidence):
-    assume(len(evidence.positions) >= 10)
-
-    selections = curve(evidence)
-
-    assert [s.positions for s in selections] == [
-        enumerated(evidence, n)[0] for n in range(len(evidence.positions) + 1)
+    rows += [[draw(ratios) for _ in range(sentences)] for _ in range(kinds)]
+    masses = [draw(st.sampled_from([1e-9, 0.05, 1.0]))]
+    masses += [draw(st.sampled_from([0.1, 1.0, 3.0])) for _ in range(kinds)]
+    counts = [4, *(draw(st.integers(1, 4)) for _ in range(kinds))]  # how far a kind is like π_R
+    weight = [
+        [m if place < c else 0.0 for place in range(4)]
+        for m, c in zip(masses, counts, strict=True)
     ]
-
-
-@generated
-@given(evidences())
-def test_the_curve_is_the_most_informative_selection_of_every_n(evidence):
-    expected = tuple(most_informative(evidence, n) for n in range(len(evidence.positions) + 1))
-
-    selections = curve(evidence)
-
-    assert selections == expected
-
-
-@generated
-@given(evidences())
-def test_nothing_beats_the_informative_selection_at_its_own_n(evidence):
-    for n, informative in enumerate(curve(evidence)):
-        for baseline in (increasing(evidence, n), decreasing(evidence, n)):
-            missing = informative.information_gain - baseline.information_gain
-
-            assert len(baseline.positions) == n
-            assert missing >= -1e-9
-            assert baseline.gap >= missing - 2e-9
-
-
-@generated
-@given(evidences(), st.randoms(use_true_random=False))
-def test_the_order_of_the_hypotheses_does_not_matter(evidence, random):
-    order = list(range(len(evidence.prior)))
-    random.shuffle(order)
-    shuffled = replace(evidence, prior=evidence.prior[order], ratio=evidence.ratio[order])
-
-    assert same(curve(shuffled), curve(evidence))
-
-
-@generated
-@given(evidences())
-def test_a_hypothesis_split_into_two_halves_changes_nothing(evidence):
-    halves = replace(
-        evidence,
-        prior=np.concatenate([evidence.prior[:1] / 2, evidence.prior[:1] / 2, evidence.prior[1:]]),
-        ratio=np.concatenate([evidence.ratio[:1], evidence.ratio]),
+    ends = itertools.accumulate(draw(st.integers(1, 3)) for _ in range(sentences))
+    return Evidence(
+        np.array(rows),
+        np.array(weight) / sum(masses),
+        masses[0] / sum(masses),
+        tuple((end,) for end in ends),
+        draw(st.sampled_from(list(DOUBTS.values()))),
+        frozenset(c for c in range(sentences) if draw(st.booleans())),
+        draw(st.sampled_from([None, 0.0, 0.02, 0.3])),
     )
 
-    assert same(curve(halves), curve(evidence))
+
+def doubt(evidence, columns):
+    """D of the sentences of some columns, written out once more."""
+    left = [
+        [weight * math.prod(row[c] for c in columns) for weight in weights]
+        for row, weights in zip(evidence.ratio.tolist(), evidence.weight.tolist(), strict=True)
+    ]
+    everything, goal, foreseen, belief = (sum(column) for column in zip(*left, strict=True))
+    if evidence.doubt.whole:
+        return math.log(everything / evidence.robot)
+    facts = max(belief / foreseen, 0.01)
+    way = evidence.robot / belief
+    of = evidence.doubt
+    return math.log(everything / goal) - of.facts * math.log(facts) - of.way * math.log(way)
 
 
-@generated
-@given(evidences(), st.sampled_from([1e-3, 7.0, 1e6]))
-def test_weights_scaled_by_a_constant_change_nothing(evidence, constant):
-    scaled = replace(evidence, prior=evidence.prior * constant)
+def best_set(evidence, n):
+    """The best of all sets of n sentences, the latest of those that are as good."""
+    columns = [*itertools.combinations(range(len(evidence.places)), n)]
+    doubts = [doubt(evidence, chosen) for chosen in columns]
+    tied = [c for c, d in zip(columns, doubts, strict=True) if d <= min(doubts) + 1e-9]
+    return max(tied, key=lambda chosen: chosen[::-1])
 
-    assert same(curve(scaled), curve(evidence))
+
+def plain(evidence):
+    return replace(evidence, means=frozenset(), min_gain=None)
 
 
 @generated
 @given(evidences())
-def test_a_hypothesis_of_weight_zero_changes_nothing(evidence):
-    idle = np.linspace(0.0, 2.0, len(evidence.positions))
-    wider = replace(
-        evidence,
-        prior=np.append(evidence.prior, 0.0),
-        ratio=np.vstack([evidence.ratio, idle]),
-    )
+def test_of_every_size_it_is_the_best_of_all_sets_and_the_latest_of_the_best(evidence):
+    evidence = plain(evidence)
+    for n in range(1, len(evidence.places) + 1):
+        found = most_informative(evidence, n)
+        best = best_set(evidence, n)
+        gain = doubt(evidence, ()) - doubt(evidence, best)
 
-    assert same(curve(wider), curve(evidence))
+        assert found.positions == tuple(evidence.positions[c] for c in best)
+        assert found.information_gain == pytest.approx(gain, abs=1e-9)
+        assert found.optimal
 
 
-def same(ours, others):
-    return [s.positions for s in ours] == [s.positions for s in others] and np.allclose(
-        [s.information_gain for s in ours],
-        [s.information_gain for s in others],
-        atol=1e-9,
-    )
+@generated
+@given(evidences(), st.integers(1, 8))
+def test_the_smallest_that_tells_nearly_as_much_as_the_best_is_said(evidence, n):
+    evidence = replace(evidence, means=frozenset(), min_gain=evidence.min_gain or 0.0)
+    n = min(n, len(evidence.places))
+    gains = [doubt(evidence, ()) - doubt(evidence, best_set(evidence, k)) for k in range(1, n + 1)]
+    enough = max(gains) - evidence.min_gain - 1e-9
+    size = next(k for k, gain in enumerate(gains, start=1) if gain >= enough)
+
+    found = most_informative(evidence, n)
+
+    assert found.positions == tuple(evidence.positions[c] for c in best_set(evidence, size))
+    again = most_informative(evidence, n, first=False)
+    if max(gains) <= max(evidence.min_gain, 1e-9):
+        assert again.positions == ()
+    else:
+        assert again == found
+
+
+@generated
+@given(evidences(), st.integers(1, 8))
+def test_a_means_is_not_said_while_an_end_would_tell_more_of_the_goal(evidence, n):
+    evidence = replace(evidence, doubt=DOUBTS['open'], min_gain=0.02)
+
+    found = most_informative(evidence, n)
+
+    said = [c for c, place in enumerate(evidence.positions) if place in found.positions]
+    goal = replace(evidence, doubt=Doubt())
+    ends = set(range(len(evidence.places))) - evidence.means - set(said)
+    if evidence.means & set(said):
+        for end in ends:
+            assert doubt(goal, said) - doubt(goal, [*said, end]) <= 0.02 + 1e-9
+
+
+@generated
+@given(evidences())
+def test_never_below_a_baseline_less_the_least_gain(evidence):
+    evidence = replace(evidence, means=frozenset())
+    for n, best in enumerate(curve(evidence), start=1):
+        for strategy in ('increasing', 'decreasing'):
+            said = baseline(evidence, strategy, n)
+            columns = [c for c, p in enumerate(evidence.places) if p[-1] in said.positions]
+
+            assert len(said.positions) == n
+            assert said.information_gain == pytest.approx(
+                doubt(evidence, ()) - doubt(evidence, columns), abs=1e-9
+            )
+            least = evidence.min_gain or 0.0
+            assert best.information_gain >= said.information_gain - least - 1e-9
+            most = doubt(evidence, ()) - doubt(evidence, best_set(evidence, n))
+            assert said.gap >= most - said.information_gain - 1e-9
+
+
+@generated
+@given(evidences(largest=7))
+def test_a_search_is_honest_about_its_gap_and_never_below_a_baseline(evidence):
+    evidence = plain(evidence)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(choice, 'seconds_to_enumerate', lambda evidence, size: math.inf)
+        sizes = range(1, len(evidence.places) + 1)
+        for n, found in zip(sizes, best_of_each(evidence, sizes), strict=True):
+            best = doubt(evidence, ()) - doubt(evidence, best_set(evidence, n))
+            said = [baseline(evidence, s, n) for s in ('increasing', 'decreasing')]
+
+            assert best <= found.information_gain + found.gap + 1e-9
+            assert all(found.information_gain >= s.information_gain - 1e-9 for s in said)
+
+
+@generated
+@given(evidences())
+def test_no_set_leaves_less_doubt_than_the_bound(evidence):
+    for n in range(1, len(evidence.places) + 1):
+        assert least_doubt(evidence, n) <= max(0.0, doubt(evidence, best_set(evidence, n))) + 1e-9
+
+
+@generated
+@given(evidences(), st.floats(0.0, 3.0), st.integers(1, 8))
+def test_a_threshold_takes_the_smallest_that_leaves_less_doubt(evidence, threshold, at_most):
+    evidence = plain(evidence)
+    sizes = range(1, min(at_most, len(evidence.places)) + 1)
+    doubts = [max(0.0, doubt(evidence, best_set(evidence, k))) for k in sizes]
+    enough = [k for k, d in zip(sizes, doubts, strict=True) if d < threshold - 1e-9]
+
+    found = smallest_sufficient(evidence, threshold, at_most)
+
+    if enough:
+        assert len(found.positions) == enough[0] or doubts[len(found.positions) - 1] < threshold
+        assert len(found.positions) <= enough[0]
+    else:
+        assert evidence.doubt_before - found.information_gain == pytest.approx(
+            min(doubts), abs=1e-8
+        )
+
+
+@generated
+@given(evidences())
+def test_each_of_the_order_is_the_best_given_those_before(evidence):
+    evidence = plain(evidence)
+    said = []
+    for added in informative_order(evidence):
+        left = [c for c in range(len(evidence.places)) if c not in said]
+        doubts = {c: doubt(evidence, [*said, c]) for c in left}
+        best = max(c for c in left if doubts[c] <= min(doubts.values()) + 1e-9)
+
+        assert added.position == evidence.positions[best]
+        before = max(0.0, doubt(evidence, said))
+        assert added.information_gain == pytest.approx(before - max(0.0, doubts[best]), abs=1e-9)
+        said.append(best)
+
+
+def evidence(ratio, weight, doubt=DOUBTS['planner'], **named):
+    weight = np.array(weight, dtype=float)
+    places = tuple((i,) for i in range(len(ratio[0])))
+    return Evidence(np.array(ratio, dtype=float), weight, weight[0, 0], places, doubt, **named)
 
 
 def test_the_best_pair_need_not_hold_the_best_single_sentence():
-    # Six equally likely plans, the robot's first. Left to doubt, in sixths:
-    # {0}: 3, {1}: 4, {2}: 4; {0, 1}: 2, {0, 2}: 2, {1, 2}: 1 (the robot's own).
-    plans = [
-        [1.0, 1.0, 1.0],
-        [1.0, 1.0, 0.0],
-        [1.0, 0.0, 1.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [0.0, 1.0, 0.0],
-    ]
-    six = evidence([1 / 6] * 6, plans)
+    # Each of the last two leaves two of the four others, and both together none; the first
+    # leaves one and a half.
+    found = evidence(
+        [[1, 1, 1], [0.5, 1, 0], [0.5, 1, 0], [0.25, 0, 1], [0.25, 0, 1]],
+        [[0.2, 0.2, 0.2, 0.2], *[[0.2, 0, 0, 0]] * 4],
+    )
 
-    one, two = most_informative(six, 1), most_informative(six, 2)
-
-    assert one.positions == (0,)
-    assert one.information_gain == pytest.approx(math.log(6 / 3))
-    assert two.positions == (1, 2)
-    assert two.information_gain == pytest.approx(math.log(6 / 1))
-    assert [step.position for step in informative_order(six)][0] == 0
+    assert most_informative(found, 1).positions == (0,)
+    assert most_informative(found, 2).positions == (1, 2)
+    assert most_informative(found, 2).information_gain == pytest.approx(math.log(5))
 
 
-def test_once_all_is_known_the_most_telling_sentence_fills_up():
-    # Position 2 alone leaves the robot's plan: gain log 3. Of the others,
-    # position 1 excludes one of three plans (log 3/2), position 0 none (0).
-    three = evidence([1 / 3] * 3, [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+def test_the_baselines_are_first_and_last_in_plan_order_each_sentence_once_where_it_is_met():
+    found = replace(evidence([[1, 1, 1]], [[1, 1, 1, 1]]), places=((1, 2), (0, 4), (3, 5)))
 
-    selection = most_informative(three, 2)
-
-    assert selection.positions == (1, 2)
-    assert selection.information_gain == pytest.approx(math.log(3))
-
-
-def test_equal_sentences_are_said_at_their_first_places():
-    # Both sentences exclude the other plan; the first stands at 0 and 2.
-    twice = evidence([0.5, 0.5], [[1.0, 1.0, 1.0], [0.0, 0.0, 0.0]])
-
-    assert most_informative(twice, 2).positions == (0, 1)
-
-
-def test_exactly_n_are_said_even_where_more_says_less():
-    # The other plan says it twice as often: log P = 1/2 + 1/2 · 2ⁿ, gain −log of it.
-    doubled = evidence([0.5, 0.5], [[1.0, 1.0], [2.0, 2.0]])
-
-    gains = [selection.information_gain for selection in curve(doubled)]
-
-    assert gains == pytest.approx([0.0, -math.log(1.5), -math.log(2.5)])
+    assert baseline(found, 'increasing', 2).positions == (0, 1)
+    assert baseline(found, 'decreasing', 2).positions == (4, 5)
+    assert baseline(found, 'increasing', 9).positions == (0, 1, 3)
 
 
 def test_more_than_there_is_means_all_and_none_means_none():
-    three = evidence([0.5, 0.5], [[1.0, 1.0, 1.0], [1.0, 0.5, 0.0]])
-    finished = Evidence(np.ones(1), np.ones((1, 0)), np.arange(0))
+    found = evidence([[1, 1], [0, 1]], [[0.5] * 4, [0.5, 0, 0, 0]])
 
-    assert most_informative(three, 9).positions == (0, 1, 2)
-    assert most_informative(three, 0).positions == ()
-    assert most_informative(three, 0).information_gain == 0.0
-    for none in (most_informative(finished, 3), smallest_sufficient(finished, 1.0, 3)):
-        assert (none.positions, none.information_gain, none.gap) == ((), 0.0, 0.0)
-    assert curve(finished) == (most_informative(finished, 0),)
-    assert informative_order(finished) == ()
+    assert most_informative(found, 5).positions == (0, 1)
+    nothing = replace(found, ratio=found.ratio[:, :0], places=())
+    assert most_informative(nothing, 3).positions == ()
+    assert informative_order(nothing) == ()
 
 
-def test_the_baselines_are_the_first_and_the_last_in_plan_order():
-    plan = Evidence(np.array([0.5, 0.5]), np.array([[1.0] * 4, [1, 1, 0.5, 0]]), np.arange(2, 6))
-
-    first, last = increasing(plan, 2), decreasing(plan, 2)
-
-    assert (first.positions, last.positions) == ((2, 3), (4, 5))
-    assert first.information_gain == 0.0  # −log (1/2 · 1 + 1/2 · 1)
-    assert last.information_gain == pytest.approx(math.log(2))  # −log (1/2 + 0)
-    assert first.gap == pytest.approx(math.log(2))
-    assert last.optimal
-
-
-@generated
-@given(evidences(), st.floats(-1.0, 30.0), st.integers(0, 10))
-def test_the_smallest_sufficient_selection_is_the_first_on_the_curve(evidence, required, at_most):
-    selections = curve(evidence)[: at_most + 1]
-    everything = evidence.information_gain(range(len(evidence.positions)))
-    enough = [
-        s
-        for s in selections
-        if s.information_gain > required or s.information_gain >= everything - 1e-9
-    ]
-
-    selection = smallest_sufficient(evidence, required, at_most)
-
-    assert selection == (enough or selections[-1:])[0]
-
-
-def test_the_threshold_is_strict_and_ends_where_saying_more_helps_no_more():
-    # Gains of the best 0, 1, 2, 3 sentences: 0, log 2, log 4, log 4.
-    four = evidence([0.25] * 4, [[1.0] * 3, [1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
-
-    assert len(smallest_sufficient(four, 0.5 * math.log(2), 3).positions) == 1
-    assert len(smallest_sufficient(four, math.log(2) + 1e-9, 3).positions) == 2
-    assert len(smallest_sufficient(four, 99.0, 3).positions) == 2
-    assert len(smallest_sufficient(four, 99.0, 1).positions) == 1
-
-
-def test_a_size_that_may_suffice_but_had_no_time_to_be_searched_is_told_by_the_gap():
-    # Of (c a c b c c), beside (x b c) and (c d c a a x): a with b excludes both, as soon as the
-    # greedy c's, which are twice as likely here, are taken back.
-    ratio = [[1.0] * 6, [0.5, 0.0, 0.5, 2.0, 0.5, 0.5], [0.5, 2.0, 0.5, 0.0, 0.5, 0.5]]
-    doubtful = evidence([5e-7 / 2.0000005, 1 / 2.0000005, 1 / 2.0000005], ratio)
-    required = math.log(2.0000005 / 5e-7) - 0.1  # H − θ
-
-    searched = smallest_sufficient(doubtful, required, 6)
-    guessed = smallest_sufficient(doubtful, required, 6, budget=0.0)
-
-    assert (searched.positions, searched.optimal) == ((1, 3), True)
-    assert len(guessed.positions) > 2
-    assert not guessed.optimal
-
-
-@generated
-@given(evidences())
-def test_each_step_of_the_order_is_the_best_given_those_before(evidence):
-    steps = informative_order(evidence)
-
-    column = {int(position): i for i, position in enumerate(evidence.positions)}
-    said = []
-    for step in steps:
-        before = evidence.information_gain(said)
-        rest = [i for i in range(len(column)) if i not in said]
-        gains = {i: evidence.information_gain([*said, i]) - before for i in rest}
-        tied = [i for i in rest if gains[i] >= max(gains.values()) - 1e-9]
-        single = {i: evidence.information_gain([i]) for i in tied}
-        tied = [i for i in tied if single[i] >= max(single.values()) - 1e-9]
-        assert column[step.position] == tied[0]
-        assert step.information_gain == pytest.approx(gains[tied[0]], abs=1e-9)
-        said.append(column[step.position])
-    assert sorted(said) == list(range(len(column)))
-
-
-def unstructured(seed, hypotheses, positions, plan_share=0.7):
-    """Evidence without any structure: what is hardest to search."""
-    random = np.random.default_rng(seed)
-    has = random.random((hypotheses, positions)) < plan_share
-    ratio = np.where(has, random.uniform(0.3, 2.0, has.shape), 0.0)
+def test_long_plans_and_many_hypotheses_are_answered_within_the_budget_with_an_honest_gap():
+    random = np.random.default_rng(1)
+    ratio = (random.random((5_000, 120)) < 0.5).astype(float)
     ratio[0] = 1.0
-    return Evidence(random.dirichlet(np.ones(hypotheses)), ratio, np.arange(positions))
+    weight = np.zeros((5_000, 4))
+    weight[:, 0] = 1 / 5_000
+    weight[0] = 1 / 5_000
+    found = evidence(ratio, weight)
 
-
-@pytest.mark.parametrize('budget', [0.0, 1e-4, 1e-2])
-@pytest.mark.parametrize('seed', range(8))
-def test_out_of_time_the_gap_still_bounds_what_is_missing(seed, budget):
-    hard = unstructured(seed, hypotheses=60, positions=16)
-
-    for n in (3, 5, 8):
-        selection = most_informative(hard, n, budget)
-
-        best = most_informative(hard, n)
-        missing = best.information_gain - selection.information_gain
-        assert len(set(selection.positions)) == n
-        assert selection.information_gain == pytest.approx(
-            hard.information_gain(selection.positions)
-        )
-        assert 0 <= selection.gap < math.inf
-        assert missing <= selection.gap + 2e-9
-        assert not selection.optimal or missing <= 2e-9
-
-
-@pytest.mark.parametrize('seed', range(4))
-def test_without_structure_the_value_is_that_of_enumeration(seed):
-    hard = unstructured(seed, hypotheses=200, positions=24)
-
-    for n in (2, 4):
-        assert most_informative(hard, n).positions == enumerated_fast(hard, n)
-
-
-def enumerated_fast(evidence, n):
-    """Positions of the best combination where there are no ties."""
-    combinations = np.array(list(itertools.combinations(range(len(evidence.positions)), n)))
-    doubt = evidence.prior @ evidence.ratio[:, combinations].prod(axis=2)
-    return tuple(int(i) for i in combinations[doubt.argmin()])
-
-
-def test_long_plans_and_tiny_weights_stay_finite():
-    # 300 positions; ratios of 30 or 1/30 would make 30^±300 if multiplied up.
-    random = np.random.default_rng(3)
-    ratio = random.choice([0.0, 1 / 30, 1.0, 30.0], size=(40, 60))
-    ratio[0], ratio[1] = 1.0, 30.0
-    prior = np.r_[1e-12, np.ones(39)]
-    long = Evidence(prior / prior.sum(), np.tile(ratio, 5), np.arange(300))
-
-    for n in (1, 10, 299, 300):
-        selection = most_informative(long, n, budget=0.2)
+    for n in (1, 2, 8, 60, 119, 120):
+        selection = most_informative(found, n, 0.2)
 
         assert len(selection.positions) == n
-        assert math.isfinite(selection.information_gain)
-        assert math.isfinite(selection.gap)
-    assert all(math.isfinite(step.information_gain) for step in informative_order(long))
+        columns = list(selection.positions)
+        assert selection.information_gain == pytest.approx(
+            found.doubt_before - found.doubt_after(columns)
+        )
+        assert selection.information_gain + selection.gap <= found.doubt_before + 1e-9

@@ -21,13 +21,18 @@ from mirror_explainer.experiments.benchmark.ground_actions import (
     ground_action,
     needed_facts,
 )
-from mirror_explainer.explainer import Preparation, prepare
-from mirror_explainer.listener.mirror_model import Evidence, MirrorModel
+from mirror_explainer.explainer import robot_plan
+from mirror_explainer.listener.listeners import PLANNER
+from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.listener.preparation import prepare, refine
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel
 from mirror_explainer.pddl import Task, atom_text, conjuncts, goal_expression, read_task
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
-from mirror_explainer.selection.algorithm import Selection, curve, decreasing, increasing
-from mirror_explainer.selection.columns import TIE
+from mirror_explainer.selection.baselines import ORDERS
+from mirror_explainer.selection.choice import Selection, baseline, curve
+from mirror_explainer.selection.enumeration import TIE
+from mirror_explainer.selection.evidence import Evidence
+from mirror_explainer.settings import PlanningSettings
 
 GOALS, UNCERTAIN_FACTS, FACT_PROBABILITY = 4, 4, 0.5
 # Selections of N among which the equally informative ones are counted; beyond, nobody counts.
@@ -137,22 +142,20 @@ def run_instance(location: Location, problem: RecognitionProblem, settings: Sett
             goals=tuple(CandidateGoal(goal, goal, 1 / GOALS) for goal in draw.goals),
             uncertain_facts=dict.fromkeys(facts, FACT_PROBABILITY),
         )
-        preparation = prepare(
-            task,
-            draw.plan,
-            user_model,
-            planner,
-            plans_per_belief=settings.plans_per_belief,
-            deadline=settings.deadline,
+        planning = PlanningSettings(
+            plans_per_belief=settings.plans_per_belief, deadline=settings.deadline
         )
-    require_settled(preparation)
+        own = robot_plan(task, '\n'.join(draw.plan.actions), source)
+        preparation = refine(prepare(task, own, user_model, planning), planner)
+    model = preparation.model_for(PLANNER)
+    require_settled(model)
     true_plan = draw.true_plan
     return Result(
         goals=draw.goals,
         uncertain_facts=facts,
         plan=draw.plan.actions,
         unsolvable=draw.unsolvable,
-        unsolvable_mass=preparation.model.unsolvable_mass,
+        unsolvable_mass=model.unsolvable,
         last_shared=goals_sharing_last(task, draw),
         measures=Measures(
             predicates=len(task.model.fluents),
@@ -165,7 +168,7 @@ def run_instance(location: Location, problem: RecognitionProblem, settings: Sett
         ),
         rows=tuple(
             measured(
-                preparation.model,
+                model,
                 distances_to_goal(task, draw.plan.actions),
                 settings.selection_budget,
             )
@@ -230,15 +233,14 @@ def goals_sharing_last(task: Task, draw: Draw) -> int:
     return sum(reached <= other for other in others)
 
 
-def require_settled(preparation: Preparation) -> None:
+def require_settled(model: MirrorModel) -> None:
     """Raise PlanningError unless every belief has an optimal plan, or is known to have none."""
-    model = preparation.model
-    if model.unknown_mass:
+    if model.planned < 1.0 - 1e-9:
         raise PlanningError(
-            f'no plan was found in time for {model.unknown_mass:.0%} of what the listener '
+            f'no plan was found in time for {1.0 - model.planned:.0%} of what the listener '
             'may believe'
         )
-    unproved = sum(not hypothesis.plan.optimal for hypothesis in model.hypotheses)
+    unproved = sum(not h.plan.optimal for h in model.hypotheses if h.plan)
     if unproved:
         raise PlanningError(
             f'{unproved} of {len(model.hypotheses)} plans were not proved optimal in time'
@@ -246,16 +248,11 @@ def require_settled(preparation: Preparation) -> None:
 
 
 def measured(model: MirrorModel, distance: Sequence[float], budget: float) -> Iterator[Row]:
-    """Yield the quantities of every strategy at every N from 1 to |π_R|."""
+    """Yield the quantities of every strategy at every N up to all different actions of π_R."""
     evidence = model.evidence()
-    for n, best in enumerate(curve(evidence, budget)):
-        if n == 0:
-            continue
-        selections: dict[str, Selection] = {
-            'informative': best,
-            'decreasing': decreasing(evidence, n),
-            'increasing': increasing(evidence, n),
-        }
+    for n, best in enumerate(curve(evidence, budget), start=1):
+        selections: dict[str, Selection] = {'informative': best}
+        selections |= {name: baseline(evidence, name, n) for name in reversed(ORDERS)}
         lowest = model.cross_entropy(best.positions)
         for strategy, selection in selections.items():
             positions = selection.positions
@@ -279,13 +276,15 @@ def measured(model: MirrorModel, distance: Sequence[float], budget: float) -> It
 
 def _tied(evidence: Evidence, distance: Sequence[float], best: Selection) -> list[float]:
     """Return D_G of every selection that is as informative as the best, if they can be counted."""
-    n, size = len(best.positions), len(distance)
+    n, size = len(best.positions), len(evidence.positions)
     if math.comb(size, n) > _COUNTED:
         return []
     sets = np.array(list(combinations(range(size), n)))  # shape (selections, N)
-    gains = -np.log(evidence.prior @ evidence.ratio[:, sets].prod(axis=2))
-    tied = sets[gains >= best.information_gain - TIE]
-    return [float(mean) for mean in np.asarray(distance)[tied].mean(axis=1)]
+    fit = evidence.ratio[:, sets].prod(axis=2).T
+    doubts = evidence.doubt.of(fit @ evidence.weight, evidence.robot)
+    tied = sets[evidence.doubt_before - doubts >= best.information_gain - TIE]
+    nearest = np.asarray(distance)[list(evidence.positions)]
+    return [float(mean) for mean in nearest[tied].mean(axis=1)]
 
 
 def _settled(result: BeliefPlans, goal: str) -> Plan:

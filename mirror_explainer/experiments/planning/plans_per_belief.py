@@ -39,11 +39,14 @@ from mirror_explainer.experiments.planning.plans_tables import (
     regret_table,
     renaming_table,
 )
+from mirror_explainer.explainer import robot_plan
+from mirror_explainer.listener.listeners import PLANNER
 from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.preparation import way_of
 from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.sentences import sentences_for
 from mirror_explainer.planning import BeliefPlans, BeliefSpace, Planner
-from mirror_explainer.selection.algorithm import most_informative
+from mirror_explainer.selection.choice import most_informative
 
 REFEREE = 1000
 _TIMED_FACTS = 4
@@ -71,16 +74,25 @@ class Listener:
         key = min(count, largest), size  # there are no more plans than these
         if key not in self._said:
             model = self.model(count)
-            self._said[key] = most_informative(model.evidence(), size, _BUDGET).positions
+            self._said[key] = most_informative(model.evidence(), size, budget=_BUDGET).positions
         return self._said[key]
 
     def model(self, count: int) -> MirrorModel:
         """Return the mirror model with so many plans a belief."""
         model = self._scene.user_model
         found = self._one if count == 1 else [_sampled(result, count) for result in self._all]
-        plan = self._scene.plan
-        sentences = sentences_for(self._scene.task, model, plan.actions)
-        return mirror_model(self._prior, found, plan, sentences, model.rationality)
+        scene, prior = self._scene, self._prior
+        sentences = sentences_for(scene.task, model, scene.plan.actions)
+        own = robot_plan(scene.task, '\n'.join(scene.plan.actions), scene.name)
+        return mirror_model(
+            prior,
+            dict(zip(prior.beliefs, found, strict=True)),
+            way_of(scene.task, own, prior, sentences),
+            sentences.of,
+            model.rationality,
+            PLANNER,
+            one_plan=count == 1,
+        )
 
 
 def _sampled(result: BeliefPlans, count: int) -> BeliefPlans:

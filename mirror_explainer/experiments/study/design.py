@@ -3,12 +3,12 @@
 The same for simulated participants and for people.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from random import Random
 
 from mirror_explainer.listener.mirror_model import MirrorModel
-from mirror_explainer.selection.algorithm import curve, informative_order
+from mirror_explainer.selection.baselines import ORDERS
+from mirror_explainer.selection.choice import curve, informative_order
 from mirror_explainer.settings import STRATEGIES
 
 DONT_KNOW = "I don't know"
@@ -65,21 +65,19 @@ def presentation_order(number: int, participant: int, seed: int) -> tuple[int, .
 def verbalizations(
     model: MirrorModel, strategy: str, growth: str = 'order'
 ) -> tuple[tuple[int, ...], ...]:
-    """Return the plan positions said by step 1, 2, … |π_R|, in plan order.
+    """Return the plan positions said by step 1, 2, … until all different sentences are.
 
     The informative verbalization grows by the informative order ("order"): one
     more sentence a step, the best next, as in the paper's Table 1, since
     what has been heard cannot be unsaid. With "sets", step N has the best set of
     size N, which may drop a sentence of the step before.
     """
-    length = len(model.sentences)
-    order: Sequence[int]
-    if strategy == 'increasing':
-        order = range(length)
-    elif strategy == 'decreasing':
-        order = range(length)[::-1]
+    evidence = model.evidence()
+    if strategy != 'informative':
+        met = 0 if strategy == 'increasing' else -1
+        order = [evidence.places[column][met] for column in ORDERS[strategy](evidence)]
     elif growth == 'sets':
-        return tuple(selection.positions for selection in curve(model.evidence())[1:])
+        return tuple(selection.positions for selection in curve(evidence))
     else:
-        order = [step.position for step in informative_order(model.evidence())]
-    return tuple(tuple(sorted(order[:n])) for n in range(1, length + 1))
+        order = [addition.position for addition in informative_order(evidence)]
+    return tuple(tuple(sorted(order[:n])) for n in range(1, len(order) + 1))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mirror_explainer.experiments.study.plans import CHARGED, PlannedScenario
 from mirror_explainer.experiments.study.scenarios import ITEMS
-from mirror_explainer.listener.mirror_model import Array, MirrorModel
+from mirror_explainer.listener.mirror_model import Floats, MirrorModel
 from mirror_explainer.pddl import words_of
 
 # Each kind, with what sets it apart from the listener whom the robot has in mind.
@@ -39,11 +39,11 @@ class Theory:
     """
 
     goal: NDArray[np.int64]
-    prior: Array
+    prior: Floats
     vocabulary: tuple[str, ...]
-    likelihood: Array
+    likelihood: Floats
 
-    def belief(self, heard: Sequence[str], among: Sequence[int]) -> Array:
+    def belief(self, heard: Sequence[str], among: Sequence[int]) -> Floats:
         """P(G = g | heard, G among some), shape (number of those,); even where nothing fits."""
         columns = [self.vocabulary.index(sentence) for sentence in heard]
         weight = self.prior * self.likelihood[:, columns].prod(axis=1)
@@ -113,7 +113,8 @@ def misheard(planned: PlannedScenario, random: Generator) -> tuple[str, ...]:
 def _of_model(planned: PlannedScenario, model: MirrorModel) -> Theory:
     """Return P(s|π_k) = count(s in π_k) / |π_k| for all sentences, those of π_R and others."""
     sentences = planned.sentences
-    said = [[sentences.of(action) for action in h.plan.actions] for h in model.hypotheses]
+    foreseen = [h.plan.actions for h in model.hypotheses if h.plan]
+    said = [[sentences.of(action) for action in actions] for actions in foreseen]
     vocabulary = tuple(dict.fromkeys(map(sentences.of, _actions(planned))))
     number = {goal.pddl: index for index, goal in enumerate(planned.scenario.goals)}
     return Theory(

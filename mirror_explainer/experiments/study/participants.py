@@ -16,7 +16,7 @@ from mirror_explainer.experiments.study.observers import (
     with_habits,
 )
 from mirror_explainer.experiments.study.plans import PlannedScenario
-from mirror_explainer.listener.mirror_model import Array
+from mirror_explainer.listener.mirror_model import Floats
 from mirror_explainer.settings import STRATEGIES
 
 
@@ -35,7 +35,7 @@ class Noise:
     confidence: float = 0.5
 
 
-def choose(belief: Array, noise: Noise, whim: Array, random: Generator) -> int | None:
+def choose(belief: Floats, noise: Noise, whim: Floats, random: Generator) -> int | None:
     """Return the index of the goal chosen, None for "I don't know".
 
     `whim` is Gumbel noise, one number a goal, drawn once a scenario: its maximum

@@ -8,7 +8,10 @@ from itertools import combinations, product
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.experiments.study.scenarios import FetchGoal, Scenario
+from mirror_explainer.explainer import robot_plan
+from mirror_explainer.listener.listeners import PLANNER, Listener
 from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.preparation import RobotPlan, way_of
 from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
@@ -47,7 +50,14 @@ class PlannedScenario:
         """P_R^H as the robot assumes it: the model that it chooses its words by."""
         return self.mirror_model(self.scenario.user_model)
 
-    def mirror_model(self, user_model: UserModel, wasteful: bool = False) -> MirrorModel:
+    @cached_property
+    def robot_plan(self) -> RobotPlan:
+        """π_R, with the run that it leads through."""
+        return robot_plan(self.task, '\n'.join(self.plan.actions), self.scenario.name)
+
+    def mirror_model(
+        self, user_model: UserModel, wasteful: bool = False, listener: Listener = PLANNER
+    ) -> MirrorModel:
         """Return P_R^H for other beliefs about the scenario's goals, or about the battery.
 
         With `wasteful` plans that do more than is needed are thought possible too, as
@@ -55,14 +65,17 @@ class PlannedScenario:
         """
         prior = belief_prior(self.task, user_model)
         goals = {goal.pddl: goal for goal in self.scenario.goals}
-        results = []
+        results = {}
         for belief in prior.beliefs:
             goal = goals[prior.goals[belief.goal].goal]
             uncertain = CHARGED in user_model.uncertain_facts
             charged = CHARGED in belief.true_facts if uncertain else self.scenario.charged
             needless = self._needless(goal, charged) if wasteful else []
-            results.append(BeliefPlans(Status.SOLVED, (self.plans[goal, charged], *needless)))
-        return mirror_model(prior, results, self.plan, self.sentences, user_model.rationality)
+            plans = (self.plans[goal, charged], *needless)
+            results[belief] = BeliefPlans(Status.SOLVED, plans)
+        way = way_of(self.task, self.robot_plan, prior, self.sentences)
+        rationality = user_model.rationality
+        return mirror_model(prior, results, way, self.sentences.of, rationality, listener)
 
     def _needless(self, goal: FetchGoal, charged: bool) -> list[Plan]:
         """Return plans that reach the goal with more work than is needed, the cheapest first."""

@@ -1,0 +1,62 @@
+"""What an answer does to its listener, in a few plain sentences."""
+
+from mirror_explainer.explainer import Explanation
+
+# A candidate that is less probable than this need not be told of.
+_WORTH_TELLING = 0.05
+_MOST_NAMES = 3
+
+
+def in_words(explanation: Explanation) -> str:
+    """Say what the listener now takes the goal to be, how sure they are, and what is left open."""
+    return ' '.join([_taken_for(explanation), *_left_open(explanation), *_amiss(explanation)])
+
+
+def _taken_for(explanation: Explanation) -> str:
+    true = explanation.true_goal
+    before, after = explanation.understanding_before, explanation.understanding
+    likeliest = max(explanation.goals[:-1], key=lambda goal: goal['posterior'])
+    if likeliest['posterior'] <= after + 1e-9:
+        return (
+            f'The listener now takes the robot\'s goal to be "{true}" and is {after:.0%} sure '
+            f'({before:.0%} before).'
+        )
+    return (
+        f'The listener would now take the robot\'s goal to be "{likeliest["name"]}" '
+        f'({likeliest["posterior"]:.0%}). The true one, "{true}", is {after:.0%} likely to them '
+        f'({before:.0%} before).'
+    )
+
+
+def _left_open(explanation: Explanation) -> list[str]:
+    """Say which parts were not mentioned, and which larger goals fit what was said as well."""
+    told = []
+    if explanation.unmentioned:
+        told.append(f'Not mentioned: {", ".join(explanation.unmentioned)}.')
+    larger = [
+        goal
+        for goal, is_larger in zip(explanation.goals, explanation.model.larger, strict=False)
+        if is_larger and goal['posterior'] >= _WORTH_TELLING
+    ]
+    larger.sort(key=lambda goal: -goal['posterior'])
+    if larger:
+        named = ', '.join(f'"{g["name"]}" ({g["posterior"]:.0%})' for g in larger[:_MOST_NAMES])
+        told.append(f'They think that it may do more: {named}.')
+    partial = explanation.goals[-1]['posterior']
+    if partial >= _WORTH_TELLING:
+        told.append(f'Or only a part of what they have in mind ({partial:.0%}).')
+    return told
+
+
+def _amiss(explanation: Explanation) -> list[str]:
+    told = []
+    if not explanation.optimal and explanation.strategy == 'informative':
+        told.append('There was no time to prove that nothing tells more.')
+    if not explanation.complete:
+        told.append(
+            f'Planning was done for {explanation.planned:.0%} of what they may believe; for the '
+            'rest they are taken not to foresee how the robot goes about it.'
+            if explanation.planned < 1.0 - 1e-9
+            else 'Not all plans that were asked for were found in time.'
+        )
+    return told

@@ -1,0 +1,100 @@
+"""P(s|way) / P(s|π_R): how much better a sentence fits another way than the robot's own."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mirror_explainer.listener.ends import Aim
+from mirror_explainer.listener.listeners import Listener
+from mirror_explainer.listener.way import Way
+from mirror_explainer.planning import Plan
+
+Floats = NDArray[np.float64]
+
+
+class Ratios:
+    """The different rows of ratios, one value for each of the sentences told of π_R.
+
+    `sentence_of` says a ground action; `goal` is the index of G_R, and `own_plans` are what
+    planning found for b_R. Ways with the same row behave alike, whatever else they are.
+    """
+
+    def __init__(
+        self,
+        listener: Listener,
+        way: Way,
+        goal: int,
+        sentence_of: Callable[[str], str],
+        own_plans: Sequence[Plan],
+    ) -> None:
+        self.told = tuple(dict.fromkeys(way.sentences))
+        self._open, self._delta = listener.is_open, listener.other_ends
+        self._sentences = way.sentences
+        self._sentence_of = sentence_of
+        self._column = {sentence: column for column, sentence in enumerate(self.told)}
+        counts = Counter(way.sentences)
+        self._share = np.array([counts[s] for s in self.told]) / max(1, len(way.sentences))
+        self._columns_of: dict[str, int | None] = {}
+        self._row_of_plan: dict[tuple[str, ...], int] = {}
+        self._row_of_values: dict[bytes, int] = {}
+        self._rows: list[Floats] = []
+        self._own_ends = self._ends(way.aims[goal][0])
+        ends = {column for aims in way.aims for column in self._ends(aims[0])}
+        self._means = [column for column in range(len(self.told)) if column not in ends]
+        needed = {self._column_of(action) for plan in own_plans for action in plan.actions}
+        self._needless = [m for m in self._means if own_plans and m not in needed]
+
+    def of_plan(self, actions: tuple[str, ...]) -> int:
+        """Return the row of a foreseen way.
+
+        For the planner's listener count(s in π) / |π| as a multiple of that of π_R; an empty
+        plan says nothing. For the open one 1 where it has the sentence, else 0; but 1 for
+        a means of π_R that is in no plan found for b_R: not even who believes what the
+        robot does foresees it, so it tells nothing of what they believe.
+        """
+        if actions not in self._row_of_plan:
+            counts = Counter(column for a in actions if (column := self._column_of(a)) is not None)
+            row = np.zeros(len(self.told))
+            if self._open:
+                row[[*counts, *self._needless]] = 1.0
+            elif actions:
+                row[list(counts)] = [*counts.values()]
+                row /= len(actions) * self._share
+            self._row_of_plan[actions] = self._row(row)
+        return self._row_of_plan[actions]
+
+    def of_aim(self, aim: Aim, means: Floats) -> int:
+        """Return the row of an unforeseen way: κ of the method, section 1.
+
+        For the open listener `means`, shape (T,), is what a sentence weighs that is nobody's
+        end.
+        """
+        ends = self._ends(aim)
+        row = np.ones(len(self.told))
+        if self._open:
+            row[self._means] = means[self._means]
+        row[list(self._own_ends - ends)] = self._delta
+        row[list(ends - self._own_ends)] = 1.0 / self._delta
+        return self._row(row)
+
+    @property
+    def rows(self) -> Floats:
+        """All rows, shape (R, T)."""
+        return np.array(self._rows).reshape(len(self._rows), len(self.told))
+
+    def _ends(self, aim: Aim) -> frozenset[int]:
+        return frozenset(self._column[self._sentences[position]] for position in aim.ends.values())
+
+    def _column_of(self, action: str) -> int | None:
+        if action not in self._columns_of:
+            self._columns_of[action] = self._column.get(self._sentence_of(action))
+        return self._columns_of[action]
+
+    def _row(self, row: Floats) -> int:
+        values = row.tobytes()
+        if values not in self._row_of_values:
+            self._row_of_values[values] = len(self._rows)
+            self._rows.append(row)
+        return self._row_of_values[values]

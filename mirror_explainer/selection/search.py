@@ -1,0 +1,92 @@
+"""The best choice where there are too many sets to look at: a search, and how far it may be off.
+
+From several starts, sentences are exchanged as long as that leaves less doubt. No set of a
+size can leave less than a bound in which every kind of hypotheses meets its own worst or best
+sentences; the difference is the gap.
+"""
+
+import math
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from mirror_explainer.selection.evidence import (
+    ALL,
+    BELIEF,
+    FORESEEN,
+    GOAL,
+    LEAST_FACTS,
+    Evidence,
+    Floats,
+)
+
+_ROUNDING = 1e-12  # nats; less than this is no improvement
+
+
+def greedy(evidence: Evidence, size: int, end: float) -> list[int]:
+    """Return `size` columns in the order in which each leaves the least doubt after those before.
+
+    Of those within 1e-9 nats of it, the latest. From `end` (of time.monotonic()) on the
+    rest are the first that are left.
+    """
+    chosen: list[int] = []
+    fit = np.ones(len(evidence.ratio))
+    left = list(range(evidence.ratio.shape[1]))
+    while len(chosen) < size:
+        if time.monotonic() > end:
+            return chosen + left[: size - len(chosen)]
+        doubts = _doubts_with_one_more(evidence, fit)[left]
+        best = left[int(np.flatnonzero(doubts <= doubts.min() + 1e-9)[-1])]
+        chosen.append(best)
+        left.remove(best)
+        fit = fit * evidence.ratio[:, best]
+    return chosen
+
+
+def improved(evidence: Evidence, start: Sequence[int], end: float) -> tuple[int, ...]:
+    """Exchange columns one for one, the best exchange first, until none helps or at `end`."""
+    chosen = sorted(start)
+    doubt = evidence.doubt_after(chosen)
+    while time.monotonic() <= end:
+        best, exchange = doubt - _ROUNDING, (0, 0)
+        for place in range(len(chosen)):
+            others = chosen[:place] + chosen[place + 1 :]
+            doubts = _doubts_with_one_more(evidence, evidence.ratio[:, others].prod(axis=1))
+            doubts[chosen] = np.inf
+            column = int(doubts.argmin())
+            if doubts[column] < best:
+                best, exchange = float(doubts[column]), (place, column)
+        if best >= doubt - _ROUNDING:
+            break
+        chosen[exchange[0]] = exchange[1]
+        chosen.sort()
+        doubt = best
+    return tuple(chosen)
+
+
+def least_doubt(evidence: Evidence, size: int) -> float:
+    """Return a bound: no set of `size` sentences leaves less doubt."""
+    ratio, weight = np.sort(evidence.ratio, axis=1), evidence.weight
+    worst = ratio[:, :size].prod(axis=1)
+    best = ratio[:, ratio.shape[1] - size :].prod(axis=1)
+    low, high = worst @ weight, best @ weight
+    if evidence.doubt.whole:
+        masses = low.copy()
+        masses[ALL] = max(low[ALL], evidence.robot)
+        return float(evidence.doubt.of(masses, evidence.robot))
+    others = worst @ (weight[:, ALL] - weight[:, GOAL])
+    foreseen = worst @ (weight[:, FORESEEN] - weight[:, BELIEF])
+    masses = np.array(
+        [high[GOAL] + others, high[GOAL], high[BELIEF] + foreseen, high[BELIEF]], dtype=float
+    )
+    goal = float(np.log(masses[ALL] / masses[GOAL]))
+    known = max(float(masses[BELIEF] / masses[FORESEEN]), LEAST_FACTS)
+    return max(0.0, goal - evidence.doubt.facts * math.log(known))
+
+
+def _doubts_with_one_more(evidence: Evidence, fit: Floats) -> Floats:
+    """The doubt that each column leaves besides what hypotheses already fit, shape (T,)."""
+    left = fit > 0
+    weight = evidence.weight[left] * fit[left, None]
+    return evidence.doubt.of(evidence.ratio[left].T @ weight, evidence.robot)
