@@ -19,7 +19,7 @@ setup(
     name=PACKAGE,
     version='0.1.0',
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
-    package_data={'': ['static/*', 'templates/*', 'templates/*/*']},
+    package_data={'': ['static/*', 'templates/*', 'templates/*/*', 'texts/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (SHARE, ['package.xml', 'LICENSE']),
@@ -40,7 +40,13 @@ setup(
     ],
     extras_require={
         'experiments': ['matplotlib>=3.7', 'pandas', 'scipy', 'tabulate', 'tqdm'],
-        'web': ['Django>=5.2,<6', 'django-htmx>=1.29', 'waitress>=3', 'whitenoise>=6.9'],
+        'web': [
+            'Django>=5.2,<6',
+            'django-htmx>=1.29',
+            'markdown-it-py>=3',
+            'waitress>=3',
+            'whitenoise>=6.9',
+        ],
         'docs': ['furo', 'myst-parser', 'sphinx', 'sphinxcontrib-mermaid'],
         'test': [
             'axe-playwright-python',

@@ -15,6 +15,7 @@ _NEEDED: Mapping[str, Mapping[str, str]] = {
     'web': {
         'django': "'Django>=5.2,<6'",
         'django_htmx': 'django-htmx',
+        'markdown_it': 'markdown-it-py',
         'waitress': 'waitress',
         'whitenoise': 'whitenoise',
     },

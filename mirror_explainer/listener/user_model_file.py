@@ -139,8 +139,15 @@ class Fault:
     line: int | None = None
 
 
-def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
-    """Return the YAML mapping twice: as nodes, which know their lines, and as plain values."""
+def parse_yaml(
+    text: str,
+    source: str,
+    wanted: str = 'the user model must be a mapping with "goals" or "hyps_file"',
+) -> tuple[yaml.Node, dict[str, Any]]:
+    """Return the YAML mapping twice: as nodes, which know their lines, and as plain values.
+
+    `wanted` is told where it is none.
+    """
     try:
         loader = yaml.SafeLoader(text)
         root = loader.get_single_node()
@@ -160,7 +167,7 @@ def parse_yaml(text: str, source: str) -> tuple[yaml.Node, dict[str, Any]]:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(source, f'no YAML that can be read: {reason}') from error
     if root is None or not isinstance(data, dict):
-        raise InputError(source, 'the user model must be a mapping with "goals" or "hyps_file"', 1)
+        raise InputError(source, wanted, 1)
     return root, data
 
 

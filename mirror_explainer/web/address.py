@@ -29,10 +29,10 @@ class Address:
     names: tuple[str, ...]
     token: str | None
 
-    def url(self, port: int) -> str:
+    def url(self, port: int, page: str = '') -> str:
         """Return the address to open in a browser; `port` is the one listened at."""
-        host = self.names[0]
-        return f'http://{host}:{port}/' + (f'?token={self.token}' if self.token else '')
+        token = f'{"&" if "?" in page else "?"}token={self.token}' if self.token else ''
+        return f'http://{self.names[0]}:{port}/{page}{token}'
 
 
 def add_address_arguments(parser: argparse.ArgumentParser, port: int) -> None:

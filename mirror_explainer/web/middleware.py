@@ -8,6 +8,7 @@ from django.core.exceptions import MiddlewareNotUsed
 from django.http import HttpRequest, HttpResponse, HttpResponseRedirect
 from django.shortcuts import render
 from django.utils.crypto import constant_time_compare, salted_hmac
+from django.utils.http import url_has_allowed_host_and_scheme
 
 Handler = Callable[[HttpRequest], HttpResponse]
 
@@ -49,7 +50,9 @@ def access(get_response: Handler) -> Handler:
             # So that no history or referrer has the token.
             others = request.GET.copy()
             del others['token']
-            response = HttpResponseRedirect(f'/?{others.urlencode()}' if others else '/')
+            # Nor does it lead elsewhere: a path such as //example.org would.
+            page = request.path if url_has_allowed_host_and_scheme(request.path, None) else '/'
+            response = HttpResponseRedirect(f'{page}?{others.urlencode()}' if others else page)
             response.set_cookie(name, proof, httponly=True, samesite='Lax')
             return response
         known = constant_time_compare(request.COOKIES.get(name, ''), proof)

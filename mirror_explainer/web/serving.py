@@ -4,6 +4,7 @@ import errno
 import signal
 import socket
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NoReturn
 
 from mirror_explainer.errors import InputError
@@ -33,9 +34,10 @@ _OBSTACLES: Mapping[int, tuple[str, str]] = {
 }
 
 
-def serve(address: Address) -> None:
+def serve(address: Address, more: Mapping[str, str] = MappingProxyType({})) -> None:
     """Serve the configured site, say on stdout where, and return on SIGINT or SIGTERM.
 
+    `more` are further addresses to tell: what they are for, and what follows the site's own.
     To be called from the main thread. Raises InputError, with the cure, or OSError where
     nothing can listen at the address.
     """
@@ -58,7 +60,10 @@ def serve(address: Address) -> None:
         try:
             for told in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(told, _end)
-            print(f'Open {address.url(listening.getsockname()[1])}', flush=True)
+            port = listening.getsockname()[1]
+            for what, page in more.items():
+                print(f'{what}: {address.url(port, page)}', flush=True)
+            print(f'Open {address.url(port)}', flush=True)
             server.run()
         except KeyboardInterrupt:
             pass

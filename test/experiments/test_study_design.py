@@ -2,6 +2,9 @@
 
 import itertools
 import math
+from collections import Counter
+from dataclasses import replace
+from string import Formatter
 
 import pytest
 
@@ -11,30 +14,33 @@ from mirror_explainer.experiments.study.plans import plan_scenario
 from mirror_explainer.experiments.study.scenarios import scenarios
 from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.experiments.study.web_study.design import (
+    ATTENTION,
     PRACTICE,
     Choice,
     Design,
     Encounter,
+    attention_trial,
     design,
     encounter,
     from_json,
-    in_words,
     order_said,
     practice_scenario,
     to_json,
     turns,
 )
 from mirror_explainer.experiments.study.web_study.drawing import HEIGHT, WIDTH, drawing
+from mirror_explainer.experiments.study.web_study.texts import LANGUAGES, words
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
 from mirror_explainer.settings import STRATEGIES
 
 
 def plain(name):
-    return Encounter(name, '', (Choice('goal', 'words'),), 'goal', ('sentence',), {})
+    choices = tuple(Choice(f'goal {i}') for i in range(3))
+    return Encounter(name, '', choices, 'goal 0', ('sentence',), {})
 
 
-DESIGN = Design(7, 12, 'domain', plain(PRACTICE), tuple(plain(f's{i}') for i in range(12)), {})
+DESIGN = Design(7, 12, 'domain', plain(PRACTICE), tuple(plain(f's{i}') for i in range(12)))
 
 
 @pytest.fixture(scope='module')
@@ -55,17 +61,45 @@ def planned(floor):
 def test_each_person_hears_each_strategy_in_a_third_of_the_scenarios():
     for number in range(9):
         first, *others = turns(DESIGN, number)
-        assert first[0] == PRACTICE
-        heard = [strategy for _, strategy in others]
+        assert first.scenario == PRACTICE
+        heard = [turn.strategy for turn in others]
         assert [heard.count(strategy) for strategy in STRATEGIES] == [4, 4, 4]
-        assert sorted(scenario for scenario, _ in others) == sorted(f's{i}' for i in range(12))
+        assert sorted(turn.scenario for turn in others) == sorted(f's{i}' for i in range(12))
 
 
-def test_each_three_people_in_turn_hear_every_strategy_on_every_scenario():
+def test_each_three_people_in_turn_hear_every_strategy_on_every_scenario_and_the_practice():
     for three in ([0, 1, 2], [3, 4, 5], [6, 7, 8]):
-        dealt = [dict(turns(DESIGN, number)) for number in three]
-        for scenario in (f's{i}' for i in range(12)):
+        dealt = [{t.scenario: t.strategy for t in turns(DESIGN, number)} for number in three]
+        for scenario in (PRACTICE, *(f's{i}' for i in range(12))):
             assert {row[scenario] for row in dealt} == set(STRATEGIES)
+
+
+def test_the_right_choice_is_at_each_place_for_everybody_sooner_or_later():
+    first = Counter(t.choices.index(0) for number in range(60) for t in turns(DESIGN, number))
+
+    assert turns(DESIGN, 3) == turns(DESIGN, 3)
+    assert sum(first.values()) == 60 * 13
+    assert all(200 < first[place] < 320 for place in range(3))  # 260 on average
+    for number in range(60):
+        assert len({turn.choices for turn in turns(DESIGN, number)}) >= 3
+
+
+def test_attention_trials_part_the_study_evenly_and_tell_the_goal(floor):
+    trials = tuple(map(attention_trial, scenarios(floor, 2, 5)))
+    with_trials = replace(DESIGN, attention=trials)
+
+    met = [turn.scenario for turn in turns(with_trials, 0)]
+    assert [met.index(trial.name) for trial in trials] == [5, 10]
+    assert [turn for turn in turns(with_trials, 0) if turn.strategy != ATTENTION][1:] != []
+    for trial in trials:
+        assert trial.goal in trial.sentences[0]
+        for language in LANGUAGES:
+            said = words(language).said(trial.actions[0], trial.sentences[0])
+            assert all(part.split()[-1] in said for part in _parts(trial, words(language)))
+
+
+def _parts(trial, said):
+    return [said.objects.get(name, said.thing(name)) for name in trial.true_choice.things]
 
 
 def test_the_order_is_random_and_follows_from_seed_and_number():
@@ -93,15 +127,6 @@ def test_the_practice_is_none_of_the_scenarios(floor, seed):
 # What they read
 
 
-def test_a_goal_is_told_in_words(floor):
-    [drawn] = scenarios(floor, 1, 0)
-    goal = drawn.goals[0]
-    first, second = (item.replace('_', ' ') for item in goal.items)
-
-    door = goal.door.replace('_', ' ')
-    assert in_words(goal) == f'It fetches the {first} and the {second}, and leaves by the {door}.'
-
-
 def test_what_is_said_next_is_what_a_step_adds():
     assert order_said([(4,), (1, 4), (1, 3, 4)]) == (4, 1, 3)
 
@@ -119,18 +144,43 @@ def test_an_encounter_has_what_the_simulated_participants_hear(planned):
     assert met.goal in [choice.name for choice in met.choices]
 
 
-def test_a_design_has_the_hit_ratios_of_the_simulated_study_and_is_kept_as_it_is(planned):
+def test_a_design_says_how_soon_simulated_listeners_are_sure_and_is_kept_as_it_is(planned):
     pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
-    from mirror_explainer.experiments.averages import PERCENTS
-    from mirror_explainer.experiments.study.statistics import answer_table, curves
+    from mirror_explainer.experiments.study.statistics import answer_table, earliest_steps
 
     made = design(3, 1, planned, [planned])
 
     answers = simulate([planned], 'same', assignment(10, 1, 3), Noise(), 3)
-    for row in curves(answer_table(answers)).dropna(subset='hit_ratio').to_dict('records'):
-        assert made.simulated[row['strategy']][row['percent']] == row['hit_ratio']
-    assert set(made.simulated['informative']) <= set(PERCENTS)
+    found = earliest_steps(answer_table(answers)).groupby('strategy')['settled'].mean()
+    assert made.sure_after == dict(found)
     assert from_json(to_json(made)) == made
+
+
+def test_every_catalogue_has_the_same_texts_with_the_same_places_to_put_something_in():
+    english = words('en')
+    fields = {key: _places(text) for key, text in english.texts.items()}
+
+    assert set(LANGUAGES) == {'de', 'en'}
+    for language in LANGUAGES:
+        other = words(language)
+        assert {key: _places(text) for key, text in other.texts.items()} == fields
+        assert [(len(c.options), c.right) for c in other.checks] == [
+            (len(c.options), c.right) for c in english.checks
+        ]
+
+
+def _places(text):
+    return {field for _, field, _, _ in Formatter().parse(text) if field}
+
+
+def test_every_sentence_and_name_of_a_scenario_is_said_in_german(planned):
+    german, met = words('de'), encounter(planned)
+
+    said = [german.said(a, s) for a, s in zip(met.actions, met.sentences, strict=True)]
+    assert all(sentence.startswith('Ich ') and '{' not in sentence for sentence in said)
+    assert len(set(said)) == len(set(met.sentences))
+    for choice in met.choices:
+        assert all(name in german.things for name in choice.things)
 
 
 # What they see
@@ -139,7 +189,7 @@ def test_a_design_has_the_hit_ratios_of_the_simulated_study_and_is_kept_as_it_is
 def test_the_picture_shows_all_of_the_initial_state_and_nothing_of_the_goal(floor):
     for drawn in scenarios(floor, 12, 0):
         task = read_task(floor.domain, drawn.problem)
-        shown = drawing(task)
+        shown = drawing(task, words('en'))
 
         assert {item.label for item in shown.items} == {
             name.replace('_', ' ') for name in drawn.all_items
@@ -149,12 +199,12 @@ def test_the_picture_shows_all_of_the_initial_state_and_nothing_of_the_goal(floo
         }  # fmt: skip
         assert shown.charged == drawn.charged
         other = drawn.problem.replace(drawn.goals[drawn.goal].pddl, drawn.goals[0].pddl)
-        assert drawing(read_task(floor.domain, other)) == shown
+        assert drawing(read_task(floor.domain, other), words('en')) == shown
 
 
 def test_nothing_is_drawn_over_anything_else(floor):
     for drawn in scenarios(floor, 12, 1):
-        shown = drawing(read_task(floor.domain, drawn.problem))
+        shown = drawing(read_task(floor.domain, drawn.problem), words('en'))
         rooms = {place.label.split()[0]: place for place in shown.places if place.room}
         for item in shown.items:
             room = rooms[item.colour]
@@ -173,7 +223,7 @@ def test_nothing_is_drawn_over_anything_else(floor):
 
 def test_the_picture_is_told_in_words_as_well(floor, warehouse):
     problem = (warehouse / 'problem.pddl').read_text()
-    shown = drawing(read_task(floor.domain, problem.replace('(charged)', '', 1)))
+    shown = drawing(read_task(floor.domain, problem.replace('(charged)', '', 1)), words('en'))
 
     assert shown.words[:5] == (
         'The robot is in the left corridor.',
@@ -195,7 +245,7 @@ def test_another_map_is_drawn_on_a_ring(floor):
                  (item-at box_1 cellar) (door-at hatch hall))
           (:goal (holding box_1)))"""
 
-    shown = drawing(read_task(floor.domain, problem))
+    shown = drawing(read_task(floor.domain, problem), words('en'))
 
     assert [(place.label, place.room) for place in shown.places] == [
         ('hall', False), ('cellar', True), ('attic', False),

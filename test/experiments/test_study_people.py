@@ -1,8 +1,11 @@
 """The study with people, over HTTP: what is kept of it, and what comes out of it."""
 
+import io
+import re
 import sqlite3
 import subprocess
 import sys
+import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +16,7 @@ pytest.importorskip('django', reason='the extra [web] is not installed')
 pd = pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
 
 from browser import served  # noqa: E402
-from study_client import CHOICES, STUDY, Person, copy_database  # noqa: E402
+from study_client import CHOICES, RIGHT, STUDY, Person, copy_database  # noqa: E402
 
 from mirror_explainer.experiments.study import statistics as study_statistics  # noqa: E402
 from mirror_explainer.experiments.study.design import (  # noqa: E402
@@ -168,8 +171,11 @@ def test_people_meet_the_scenarios_in_their_own_random_order(finished, exported)
 
     for number, (name, given) in enumerate(finished[1].items()):
         met = list(dict.fromkeys(scenario for scenario, _ in given))
-        order = presentation_order(SCENARIOS, number, SEED)
-        assert met == ['practice', *(f'scenario-{index + 1}' for index in order)]
+        one, two, three = presentation_order(SCENARIOS, number, SEED)
+        assert met == [
+            'practice', f'scenario-{one + 1}', 'attention-1', f'scenario-{two + 1}',
+            'attention-2', f'scenario-{three + 1}',
+        ]  # fmt: skip
         of_one = times[times['participant'] == name]
         assert list(dict.fromkeys(of_one['scenario'])) == met
         assert len(of_one) == len(given)
@@ -191,12 +197,13 @@ def test_the_report_sets_people_beside_simulated_listeners(finished, tmp_path):
     assert set(pd.read_csv(tmp_path / 'answers.csv')['observer']) == {PEOPLE, *KINDS}
 
 
-def test_a_person_reads_their_own_hit_ratios_in_the_end(study, finished):
+def test_a_person_reads_how_soon_they_were_sure_in_the_end(study, finished):
     someone = Person(study.url)
     someone.take_part(7)
 
-    assert 'Your hit ratio' in someone.page.html
-    assert someone.page.html.count('<th scope="row"') == 10
+    assert 'How soon you were sure' in someone.page.html
+    assert someone.page.html.count('<th scope="row"') == 3
+    assert someone.page.html.count('class="strip"') == SCENARIOS
     assert someone.get('').html.count('Go on where you were') == 1
 
 
@@ -236,6 +243,20 @@ def test_an_answer_once_given_stays_however_often_it_is_sent(study, person):
     assert study.kept(person.code) == [given]
 
 
+def test_a_page_that_is_open_twice_is_told_that_it_is_old(person):
+    first = person.page
+    assert person.answer('0').status == 200
+    assert 'from an older page' not in person.page.html
+
+    person.page = first
+    again = person.answer('0')  # the same: somebody pressed twice
+    assert (again.status, 'from an older page' in again.html) == (200, False)
+    person.page = first
+    other = person.answer('1')
+    assert (other.status, 'from an older page' in other.html) == (400, True)
+    assert other.step == 2
+
+
 def test_an_answer_to_a_step_that_is_not_due_is_ignored(person):
     for step in ('2', '0', '-1', 'x', '9' * 5000):
         assert person.answer('0', step=step).step == 1
@@ -250,6 +271,92 @@ def test_an_answer_that_is_none_of_the_four_is_asked_for_again(person, choice):
     assert (page.status, page.step) == (400, 1)
     assert 'Choose one of the four answers.' in page.html
     assert page.title.startswith('Error: ')
+
+
+def test_wrong_answers_about_the_rules_are_explained_and_asked_again_and_counted(study, person):
+    while 'action="/check"' not in person.page.html:
+        person.answer('0')
+    assert 'The robot&#x27;s goal was' in person.page.html
+    page = person.post('start')  # which does not lead around the questions
+    assert 'action="/check"' in page.html
+
+    assert person.post('check', **{**RIGHT, 'check-1': '2'}).status == 400
+    assert 'Not quite. It can leave only' in person.page.html
+    assert person.post('check', **{'check-0': '1'}).status == 400
+    assert person.post('check', **RIGHT).title == 'Encounter 1 of 5'
+    with sqlite3.connect(study.file) as database:
+        query = 'SELECT checks, checked FROM web_study_participant WHERE code = ?'
+        assert database.execute(query, [person.code]).fetchone() == (2, 1)
+
+
+def test_the_time_that_a_browser_took_is_kept_where_it_can_be_one(study, person):
+    for told in ('1.5', 'nan', '-1', '1e9', '<b>', ''):
+        person.answer('0', in_browser=told)
+    with sqlite3.connect(study.file) as database:
+        query = (
+            'SELECT in_browser FROM web_study_step AS s JOIN web_study_participant AS p '
+            'ON s.participant_id = p.id WHERE code = ? AND answer IS NOT NULL ORDER BY step'
+        )
+        kept = [value for (value,) in database.execute(query, [person.code])]
+    assert kept == [1.5, None, None, None, None, None]
+
+
+def tells(sentence, goal):
+    """Whether the sentence of an attention trial has all that the goal has."""
+    items, door = goal.split(', ')
+    return all(part in sentence for part in (*items.split(' and '), door))
+
+
+def test_the_export_tells_of_each_person_how_it_went_and_what_to_doubt(exported, finished):
+    people = pd.read_csv(exported / 'participants.csv').set_index('participant')
+
+    assert list(people['finished']) == [True] * 3 + [False]
+    assert set(people.index[:3]) == set(finished[1])
+    for name, given in finished[1].items():
+        trials = [given[f'attention-{i}', 1] for i in (1, 2)]
+        right = sum(
+            page.said[0].endswith(f'{page.goals[int(choice)]}.')
+            for page, choice in trials
+            if choice != '?'
+        )
+        row = people.loc[name]
+        assert (row['attention_right'], row['attention_trials'], row['checks']) == (right, 2, 1)
+        assert ('failed attention' in str(row['flags'])) == (right < 2)
+        assert 'too fast' in row['flags']  # scripts are
+
+
+def test_the_order_of_the_choices_is_exported_as_it_was_shown(exported, finished):
+    times = pd.read_csv(exported / 'response_times.csv')
+
+    for row in times.to_dict('records'):
+        page, choice = finished[1][row['participant']][row['scenario'], row['step']]
+        assert row['shown'].split(' | ') == page.goals
+        assert (row['answer'] == DONT_KNOW) == (choice == '?')
+        if choice != '?':
+            assert row['position'] == int(choice) + 1
+        if row['step'] == 1 and row['strategy'] == 'attention':
+            assert tells(page.said[0], page.goals[row['right_position'] - 1])
+
+
+# The researcher
+
+
+def test_the_researchers_page_needs_its_key_and_has_the_numbers_and_all_tables(finished, study):
+    with sqlite3.connect(study.file) as database:
+        [key] = database.execute('SELECT "key" FROM web_study_study').fetchone()
+    someone = Person(study.url)
+    for path in ('researcher', 'researcher?key=', 'researcher?key=wrong', 'researcher/study.zip'):
+        assert someone.get(path).status == 404
+
+    page = someone.get(f'researcher?key={key}')
+    assert page.status == 200
+    assert re.search(r'<dt>finished</dt><dd>[3-9]', page.html)
+    assert '<dt>dropped out</dt><dd>0' in page.html
+    assert set(finished[1]) <= set(re.findall('p-[a-z0-9]{6}', page.html))
+    archive = zipfile.ZipFile(io.BytesIO(someone.bytes('researcher/study.zip')))
+    assert sorted(archive.namelist()) == [
+        'answers.csv', 'participants.csv', 'response_times.csv',
+    ]  # fmt: skip
 
 
 def test_nobody_takes_part_without_consent(study):

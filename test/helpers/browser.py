@@ -26,7 +26,13 @@ _FLAGS = [
 _WCAG_AA = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa']
 PATIENCE = 150_000  # ms, far more than anything takes
 # Width and height in CSS pixels. At 200 % zoom a screen has half as many.
-SCREENS = {'desktop': (1280, 800), 'zoomed': (640, 400), 'tablet': (768, 1024)}
+SCREENS = {
+    'desktop': (1280, 800),
+    'zoomed': (640, 400),
+    'tablet': (768, 1024),
+    'phone': (390, 664),
+    'small': (320, 568),
+}
 
 
 @dataclass(frozen=True)

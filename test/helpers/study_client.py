@@ -12,6 +12,7 @@ from urllib.parse import urlencode
 from urllib.request import HTTPCookieProcessor, build_opener
 
 CHOICES = '012?'
+RIGHT = {'check-0': '1', 'check-1': '0'}  # the answers to the questions after the practice
 STUDY = ['-m', 'mirror_explainer.experiments.study.user_study']
 
 
@@ -46,14 +47,13 @@ class Page:
     @property
     def goals(self):
         """Of a step: the goals to choose from, by their names in the tables."""
-        words = [unescape(text) for text in re.findall('<span>(It fetches .*?)</span>', self.html)]
-        return [goal_name(text) for text in words]
+        words = [unescape(text) for text in re.findall('class="goal">(.*?)<', self.html)]
+        return [goal_name(text) for text in words if goal_name(text)]
 
 
 def goal_name(words):
-    """Return the name of a goal that is told in words, None for "I don't know yet."."""
-    found = re.fullmatch(r'It fetches the (.*) and the (.*), and leaves by the (.*)\.', words)
-    return found and '{} and {}, {}'.format(*found.groups())
+    """Return the name of a goal that is told in words, None for "I don't know yet"."""
+    return words[0].lower() + words[1:] if ' and ' in words else None
 
 
 def copy_database(file, to):
@@ -76,6 +76,11 @@ class Person:
         self.page = self._ask(path)
         return self.page
 
+    def bytes(self, path):
+        """Download something."""
+        with self._opener.open(self.url + path, timeout=60) as response:
+            return response.read()
+
     def post(self, path, **fields):
         """Send a form of the page that is open."""
         token = re.search('csrfmiddlewaretoken" value="(.*?)"', self.page.html)[1]
@@ -97,7 +102,7 @@ class Person:
     @property
     def code(self):
         """What one comes back with."""
-        return re.search('class="code">(.*?)<', self.page.html)[1]
+        return next(c.value for c in self.cookies if c.name == 'study_participant')
 
     def take_part(self, seed):
         """Answer everything at random; return the choices by scenario and step, and the name."""
@@ -106,11 +111,15 @@ class Person:
         while 'Thank you' not in self.page.title:
             if 'action="/start"' in self.page.html:
                 self.post('start')
+            elif 'action="/check"' in self.page.html:
+                self.post('check', **RIGHT)
+            elif 'action="/close"' in self.page.html:
+                self.post('close')
             else:
                 page, choice = self.page, random.choice(CHOICES)
                 given[page.scenario, page.step] = (page, choice)
                 self.answer(choice)
-        return given, re.search('name <strong>(p-.*?)<', self.page.html)[1]
+        return given, re.search('under the name (p-[a-z0-9]+)', self.page.html)[1]
 
     def _ask(self, path, data=None):
         try:

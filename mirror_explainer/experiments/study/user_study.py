@@ -54,7 +54,7 @@ def _serve(options: argparse.Namespace) -> None:
     require_extras('web')
     from mirror_explainer.experiments.study.web_study.serve import serve_study
 
-    serve_study(options.database, options.scenarios, options.seed, address(options))
+    serve_study(options.database, options.scenarios, options.seed, address(options), options.study)
 
 
 def _export(options: argparse.Namespace) -> None:
@@ -186,6 +186,11 @@ def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
 
 def _serve_arguments(serving: argparse.ArgumentParser) -> None:
     _database_argument(serving)
+    serving.add_argument(
+        '--study', type=Path, metavar='FILE',
+        help='a study.yaml: title, consent, languages, questions and more (see docs/study.md); '
+        'kept in the database, so that it need not be named again',
+    )  # fmt: skip
     study = serving.add_argument_group('study', 'fixed when the database is made')
     study.add_argument('--scenarios', type=whole(LEAST_SCENARIOS), metavar='N', help='default 12')
     study.add_argument(

@@ -5,7 +5,8 @@ whatever version of the package serves it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from random import Random
 
 from pydantic import TypeAdapter
 
@@ -16,31 +17,37 @@ from mirror_explainer.experiments.study.design import (
 )
 from mirror_explainer.experiments.study.participants import Noise, simulate
 from mirror_explainer.experiments.study.plans import PlannedScenario
-from mirror_explainer.experiments.study.scenarios import FetchGoal, Floor, Scenario, scenarios
+from mirror_explainer.experiments.study.scenarios import Floor, Scenario, scenarios
 from mirror_explainer.settings import STRATEGIES
 
 PRACTICE = 'practice'
-PRACTICE_STRATEGY = 'increasing'
+ATTENTION = 'attention'  # the strategy of those encounters, too: the goal is told outright
+ATTENTION_TRIALS = 2
 SIMULATED = 'same'
 SIMULATED_PARTICIPANTS = 10
-_PRACTICE_SEED = -1  # which no study can have
+# Which no study can have.
+_PRACTICE_SEED = -1
+_ATTENTION_SEED = -2
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A goal that a participant may choose: its name in the tables, and in words."""
+    """A goal that a participant may choose: its name in the tables, and of what it consists.
+
+    `things` are the names of the two items and of the door.
+    """
 
     name: str
-    words: str
+    things: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Encounter:
     """A scenario as participants meet it.
 
-    `problem` is its PDDL; `choices` are in the order shown, and `goal` is the name
-    of the robot's. `sentences` are those of the plan; `orders` has for each strategy
-    their positions in the order in which they are said.
+    `problem` is its PDDL, and `goal` the name of the robot's among the `choices`.
+    `sentences` are those of the plan, and `actions` what they say; `orders` has for
+    each strategy their positions in the order in which they are said.
     """
 
     name: str
@@ -49,6 +56,7 @@ class Encounter:
     goal: str
     sentences: tuple[str, ...]
     orders: dict[str, tuple[int, ...]]
+    actions: tuple[str, ...] = ()
 
     @property
     def steps(self) -> int:
@@ -56,9 +64,22 @@ class Encounter:
         return len(self.sentences)
 
     @property
-    def goal_in_words(self) -> str:
-        """The robot's goal as a participant reads it."""
-        return next(choice.words for choice in self.choices if choice.name == self.goal)
+    def true_choice(self) -> Choice:
+        """The robot's goal."""
+        return next(choice for choice in self.choices if choice.name == self.goal)
+
+
+@dataclass(frozen=True)
+class Turn:
+    """An encounter as one participant meets it: how it is told, and the choices' order."""
+
+    scenario: str
+    strategy: str
+    choices: tuple[int, ...]
+
+    def as_list(self) -> list[object]:
+        """Return it as the database keeps it."""
+        return [self.scenario, self.strategy, list(self.choices)]
 
 
 @dataclass(frozen=True)
@@ -66,8 +87,9 @@ class Design:
     """A whole study.
 
     `drawn` scenarios were drawn from the seed; `encounters` are those that could be
-    planned for. `simulated` has the hit ratio of simulated listeners: of every strategy,
-    at every percentage of the plan that the measures are taken at.
+    planned for. `attention` are trials in between that show whether somebody listens: the
+    robot tells its goal outright. `sure_after` is the mean number of sentences after which
+    simulated listeners are sure of the goal, of every strategy.
     """
 
     seed: int
@@ -75,11 +97,13 @@ class Design:
     domain: str
     practice: Encounter
     encounters: tuple[Encounter, ...]
-    simulated: dict[str, dict[int, float]]
+    attention: tuple[Encounter, ...] = ()
+    sure_after: dict[str, float] = field(default_factory=dict)
 
     def encounter(self, name: str) -> Encounter:
-        """Return an encounter by its scenario's name, the practice among them."""
-        return next(item for item in (self.practice, *self.encounters) if item.name == name)
+        """Return an encounter by its name, the practice and the attention trials among them."""
+        every = (self.practice, *self.encounters, *self.attention)
+        return next(item for item in every if item.name == name)
 
 
 def practice_scenario(floor: Floor) -> Scenario:
@@ -92,13 +116,15 @@ def design(
     seed: int, drawn: int, practice: PlannedScenario, planned: Sequence[PlannedScenario]
 ) -> Design:
     """Return the study of these scenarios."""
+    floor = practice.scenario.floor
     return Design(
         seed=seed,
         drawn=drawn,
-        domain=practice.scenario.floor.domain,
+        domain=floor.domain,
         practice=encounter(practice),
         encounters=tuple(map(encounter, planned)),
-        simulated=_simulated(planned, seed),
+        attention=tuple(map(attention_trial, scenarios(floor, ATTENTION_TRIALS, _ATTENTION_SEED))),
+        sure_after=_sure_after(planned, seed),
     )
 
 
@@ -108,32 +134,54 @@ def encounter(planned: PlannedScenario) -> Encounter:
     return Encounter(
         name=scenario.name,
         problem=scenario.problem,
-        choices=tuple(
-            Choice(goal.name, in_words(goal))
-            for goal in (scenario.goals[i] for i in scenario.shown)
-        ),
+        choices=_choices(scenario),
         goal=scenario.goals[scenario.goal].name,
         sentences=planned.model.sentences,
         orders={s: order_said(verbalizations(planned.model, s)) for s in STRATEGIES},
+        actions=tuple(planned.plan.actions),
     )
 
 
-def in_words(goal: FetchGoal) -> str:
-    """Return a goal as a participant reads it."""
-    items = ' and '.join(f'the {item}' for item in goal.items)
-    return f'It fetches {items}, and leaves by the {goal.door}.'.replace('_', ' ')
+def attention_trial(scenario: Scenario) -> Encounter:
+    """Return an encounter of one sentence, which tells the goal."""
+    goal = scenario.goals[scenario.goal]
+    return Encounter(
+        name=scenario.name.replace('scenario', ATTENTION),
+        problem=scenario.problem,
+        choices=_choices(scenario),
+        goal=goal.name,
+        sentences=(f'I am up to this: {goal.name}.',),
+        orders={ATTENTION: (0,)},
+        actions=(f'(fetch-and-leave {" ".join((*goal.items, goal.door))})',),
+    )
 
 
-def turns(design: Design, number: int) -> list[tuple[str, str]]:
-    """Return which scenarios a participant meets, in which order and by which strategy."""
+def _choices(scenario: Scenario) -> tuple[Choice, ...]:
+    shown = [scenario.goals[index] for index in scenario.shown]
+    return tuple(Choice(goal.name, (*goal.items, goal.door)) for goal in shown)
+
+
+def turns(design: Design, number: int) -> list[Turn]:
+    """Return what a participant, counted from 0, meets, in which order, and told how.
+
+    The order of the choices is drawn for each encounter. The practice goes through the
+    strategies from one participant to the next; attention trials part the study evenly.
+    """
     count = len(design.encounters)
     strategies = assignment(number + 1, count, design.seed)[number]
+    met = [
+        (design.encounters[index], strategies[index])
+        for index in presentation_order(count, number, design.seed)
+    ]
+    for index, trial in reversed(list(enumerate(design.attention, start=1))):
+        met.insert(index * count // (len(design.attention) + 1), (trial, ATTENTION))
+    met.insert(0, (design.practice, STRATEGIES[number % len(STRATEGIES)]))
+    random = Random(f'choices {design.seed} {number}')
     return [
-        (PRACTICE, PRACTICE_STRATEGY),
-        *(
-            (design.encounters[index].name, strategies[index])
-            for index in presentation_order(count, number, design.seed)
-        ),
+        Turn(
+            item.name, strategy, tuple(random.sample(range(len(item.choices)), len(item.choices)))
+        )
+        for item, strategy in met
     ]
 
 
@@ -158,14 +206,14 @@ def from_json(text: str) -> Design:
     return _ADAPTER.validate_json(text)
 
 
-def _simulated(planned: Sequence[PlannedScenario], seed: int) -> dict[str, dict[int, float]]:
+def _sure_after(planned: Sequence[PlannedScenario], seed: int) -> dict[str, float]:
     # Not before the extras are known to be there.
-    from mirror_explainer.experiments.study.statistics import answer_table, ratios
+    from mirror_explainer.experiments.study.statistics import answer_table, earliest_steps
 
     strategies = assignment(SIMULATED_PARTICIPANTS, len(planned), seed)
-    of_each = ratios(answer_table(simulate(planned, SIMULATED, strategies, Noise(), seed)))
-    means = of_each.groupby(['strategy', 'percent'])['hit_ratio'].mean().dropna()
-    return {strategy: dict(means[strategy]) for strategy in STRATEGIES}
+    answers = answer_table(simulate(planned, SIMULATED, strategies, Noise(), seed))
+    means = earliest_steps(answers).groupby('strategy')['settled'].mean()
+    return {strategy: float(means[strategy]) for strategy in means.index}
 
 
 _ADAPTER = TypeAdapter(Design)

@@ -5,8 +5,9 @@ The warehouse's places have their place on the picture; those of another map lie
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from mirror_explainer.experiments.study.web_study.texts import Words
 from mirror_explainer.pddl import Task, words_of
 
 WIDTH, HEIGHT = 720, 530
@@ -102,25 +103,16 @@ class Drawing:
     width: int = WIDTH
     height: int = HEIGHT
 
-    @property
-    def battery(self) -> str:
-        """The one thing that has no shape: how the battery is."""
-        return _BATTERY[self.charged]
 
-
-_BATTERY = {
-    True: "The robot's battery is charged.",
-    False: "The robot's battery is empty: it must recharge.",
-}
 _CORRIDOR = (170.0, 84.0)
 _ROOM = (245.0, 160.0)
 _KNOWN: Mapping[str, Place] = {
-    'left': Place(110, 100, 'left corridor', *_CORRIDOR, False),
-    'center': Place(330, 100, 'central corridor', *_CORRIDOR, False),
-    'right': Place(570, 100, 'right corridor', *_CORRIDOR, False),
-    'doors': Place(255, 250, "warehouses' doors", 200, 56, False),
-    'red_room': Place(130, 430, 'red warehouse', *_ROOM, True),
-    'blue_room': Place(383, 430, 'blue warehouse', *_ROOM, True),
+    'left': Place(110, 100, '', *_CORRIDOR, False),
+    'center': Place(330, 100, '', *_CORRIDOR, False),
+    'right': Place(570, 100, '', *_CORRIDOR, False),
+    'doors': Place(255, 250, '', 200, 56, False),
+    'red_room': Place(130, 430, '', *_ROOM, True),
+    'blue_room': Place(383, 430, '', *_ROOM, True),
 }
 _DOORS: Mapping[str, Point] = {
     'top_left_door': Point(40, 26),
@@ -131,16 +123,16 @@ _SHAPES = ('circle', 'square', 'triangle')
 _COLOURS = ('red', 'blue')
 
 
-def drawing(task: Task) -> Drawing:
-    """Return the picture of the task's initial state, without its goal."""
+def drawing(task: Task, words: Words) -> Drawing:
+    """Return the picture of the task's initial state, without its goal, labelled in a language."""
     facts: dict[str, list[list[str]]] = {}
     for fact in sorted(task.initial_facts):
         predicate, *arguments = words_of(fact)
         facts.setdefault(predicate, []).append(arguments)
     lying = {item: room for item, room in facts.get('item-at', [])}
     names = [item.name for item in task.model.objects(task.model.user_type('place'))]
-    places = _places(names, set(lying.values()))
-    doors = {door: _door(door, places[place]) for door, place in facts.get('door-at', [])}
+    places = _places(names, set(lying.values()), words)
+    doors = {door: _door(door, places[place], words) for door, place in facts.get('door-at', [])}
     ways = [
         *(Way(places[a], places[b]) for a, b in _pairs(facts.get('connected', []))),
         *(Way(places[place], doors[door]) for door, place in facts.get('door-at', [])),
@@ -151,77 +143,79 @@ def drawing(task: Task) -> Drawing:
         places=tuple(places.values()),
         ways=tuple(ways),
         doors=tuple(doors.values()),
-        items=tuple(_items(places, lying)),
-        station=Labelled(station.x + 42, station.y - 12, 'recharge station') if station else None,
+        items=tuple(_items(places, lying, words)),
+        station=Labelled(station.x + 42, station.y - 12, words.text('station'))
+        if station
+        else None,
         robot=Point(robot.x - 38, robot.y - 6) if robot else None,
         charged='charged' in facts,
-        words=tuple(_words(places, facts)),
+        words=tuple(_sentences(places, facts, words)),
     )
 
 
-def _places(names: Sequence[str], rooms: set[str]) -> dict[str, Place]:
+def _places(names: Sequence[str], rooms: set[str], words: Words) -> dict[str, Place]:
     """Return where each place lies: on the warehouse's map, or else all on a ring."""
     if set(names) <= set(_KNOWN):
-        return {name: _KNOWN[name] for name in names}
+        return {name: replace(_KNOWN[name], label=words.thing(name)) for name in names}
     found = {}
     for index, name in enumerate(names):
         turn = 2 * math.pi * index / len(names)
         x = WIDTH / 2 + (WIDTH / 2 - 140) * math.sin(turn)
         y = HEIGHT / 2 - (HEIGHT / 2 - 80) * math.cos(turn)
         found[name] = Place(
-            x, y, _called(name), *(_ROOM if name in rooms else _CORRIDOR), name in rooms
+            x, y, words.thing(name), *(_ROOM if name in rooms else _CORRIDOR), name in rooms
         )
     return found
 
 
-def _door(name: str, place: Place) -> Door:
+def _door(name: str, place: Place, words: Words) -> Door:
     """Return where a door is: in the corner that its name says, or else above its place."""
     point = _DOORS.get(name, Point(place.x, max(20, place.y - place.height)))
-    return Door(point.x, point.y, _called(name))
+    return Door(point.x, point.y, words.thing(name))
 
 
-def _items(places: Mapping[str, Place], lying: Mapping[str, str]) -> Iterator[Item]:
+def _items(places: Mapping[str, Place], lying: Mapping[str, str], words: Words) -> Iterator[Item]:
     """Yield the items of each room, side by side."""
     for room in dict.fromkeys(lying.values()):
         inside = [item for item, where in lying.items() if where == room]
         place = places[room]
         for index, item in enumerate(inside):
             x = place.left + place.width * (index + 0.5) / len(inside)
-            words = item.split('_')
-            yield Item(
-                x,
-                place.y - 4,
-                _called(item),
-                shape=next((shape for shape in _SHAPES if shape in words), ''),
-                colour=next((colour for colour in _COLOURS if colour in words), ''),
-            )
+            yield Item(x, place.y - 4, words.thing(item), *look(item))
 
 
-def _words(places: Mapping[str, Place], facts: Mapping[str, list[list[str]]]) -> Iterator[str]:
+def look(item: str) -> tuple[str, str]:
+    """Return an item's shape and colour, which its name says; "" where it does not."""
+    parts = item.split('_')
+    return (
+        next((shape for shape in _SHAPES if shape in parts), ''),
+        next((colour for colour in _COLOURS if colour in parts), ''),
+    )
+
+
+def _sentences(
+    places: Mapping[str, Place], facts: Mapping[str, list[list[str]]], words: Words
+) -> Iterator[str]:
     """Yield what the picture shows, a sentence each."""
     for [place] in facts.get('robot-at', []):
-        yield f'The robot is in the {places[place].label}.'
-    yield _BATTERY['charged' in facts]
+        yield words.text('robot_in', place=places[place].label)
+    yield words.text('battery_charged' if 'charged' in facts else 'battery_empty')
     for [place] in facts.get('station-at', []):
-        yield f'The recharge station is in the {places[place].label}.'
+        yield words.text('station_in', place=places[place].label)
     lying = facts.get('item-at', [])
     for room in dict.fromkeys(room for _, room in lying):
-        inside = [f'a {_called(item)}' for item, where in lying if where == room]
-        yield f'In the {places[room].label}: {_listed(inside)}.'
+        inside = [
+            words.text('an_item', item=words.thing(item)) for item, where in lying if where == room
+        ]
+        *first, last = inside
+        listed = f'{", ".join(first)} {words.text("and")} {last}' if first else last
+        yield words.text('items_in', place=places[room].label, items=listed)
     for door, place in facts.get('door-at', []):
-        yield f'The {_called(door)} is reached from the {places[place].label}.'
+        yield words.text('door_from', door=words.thing(door), place=places[place].label)
     for a, b in _pairs(facts.get('connected', [])):
-        yield f'A way joins the {places[a].label} and the {places[b].label}.'
+        yield words.text('way_between', one=places[a].label, other=places[b].label)
 
 
 def _pairs(connected: Sequence[Sequence[str]]) -> list[tuple[str, str]]:
     """Return each two places that are joined, once."""
     return list(dict.fromkeys((min(pair), max(pair)) for pair in connected))
-
-
-def _called(name: str) -> str:
-    return name.replace('_', ' ')
-
-
-def _listed(words: Sequence[str]) -> str:
-    return ' and '.join([', '.join(words[:-1]), words[-1]] if len(words) > 1 else words)

@@ -17,26 +17,29 @@ from mirror_explainer.experiments.study.statistics import answer_table
 from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.experiments.study.web_study.database import open_database
 from mirror_explainer.experiments.study.web_study.design import (
+    ATTENTION,
     SIMULATED_PARTICIPANTS,
     Design,
     encounter,
 )
+from mirror_explainer.experiments.study.web_study.study_file import StudyFile
 
 
 def export(file: Path, folder: Path) -> None:
-    """Write answers.csv, of those who finished, and response_times.csv, of everybody."""
-    found = open_database(file)
-    answers, times = _recorded(file, found)
+    """Write answers.csv, of those who finished, response_times.csv and participants.csv."""
+    found, study, _ = open_database(file)
     folder.mkdir(parents=True, exist_ok=True)
-    answer_table(answers).to_csv(folder / 'answers.csv', index=False)
-    times.to_csv(folder / 'response_times.csv', index=False)
+    for name, table in tables(found, study).items():
+        table.to_csv(folder / f'{name}.csv', index=False)
+    _say(file, found, study)
     print(f'see {folder}')
 
 
 def analyse(file: Path, folder: Path) -> None:
     """Write figure, tests and report on those who finished, and on simulated participants."""
-    found = open_database(file)
-    answers, times = _recorded(file, found)
+    found, study, _ = open_database(file)
+    answers, times = _recorded(found, study)
+    _say(file, found, study)
     if not answers:
         raise InputError(str(file), 'nobody has finished the study yet')
     folder.mkdir(parents=True, exist_ok=True)
@@ -63,25 +66,50 @@ def analyse(file: Path, folder: Path) -> None:
     print(f'see {folder / "report.md"}')
 
 
-def _recorded(file: Path, found: Design) -> tuple[list[Answer], pd.DataFrame]:
+def tables(found: Design, study: StudyFile) -> dict[str, pd.DataFrame]:
+    """Return what people answered as tables by name: `answers` of those who finished only."""
+    from mirror_explainer.experiments.study.web_study import records
+
+    answers, times = _recorded(found, study)
+    finished, others = records.participants(found, study)
+    people = [
+        *records.people(finished, True, found, study),
+        *records.people(others, False, found, study),
+    ]
+    return {
+        'answers': answer_table(answers),
+        'response_times': times,
+        'participants': pd.DataFrame(people),
+    }
+
+
+def _recorded(found: Design, study: StudyFile) -> tuple[list[Answer], pd.DataFrame]:
     """Return the answers of those who finished, and everybody's times."""
     # Models can be imported only once the database is set up.
     from mirror_explainer.experiments.study.web_study import records
 
-    finished, others = records.participants(found)
-    print(f'user_study: {file}: {len(finished)} finished, {len(others)} have not', file=sys.stderr)
-    rows = [*records.times(finished, True), *records.times(others, False)]
+    finished, others = records.participants(found, study)
+    rows = [*records.times(finished, True, found), *records.times(others, False, found)]
     answers = [row for participant in finished for row in records.answers(participant, found)]
     return answers, pd.DataFrame(rows, columns=list(records.TIME_COLUMNS))
 
 
+def _say(file: Path, found: Design, study: StudyFile) -> None:
+    from mirror_explainer.experiments.study.web_study import records
+
+    finished, others = records.participants(found, study)
+    print(f'user_study: {file}: {len(finished)} finished, {len(others)} have not', file=sys.stderr)
+
+
 def _times_section(times: pd.DataFrame) -> str:
-    counted = times[times['finished'] & (times['place'] > 0)]
+    of_scenarios = (times['place'] > 0) & (times['strategy'] != ATTENTION)
+    counted = times[times['finished'] & of_scenarios]
     by_strategy = counted.groupby('strategy', sort=False)['seconds']
     table = by_strategy.agg(answers='size', median='median', mean='mean').reset_index()
     return (
         '## Response times\n\n' + markdown_table(table) + '\n\n'
         'Seconds from when a step was shown until it was answered, of the people who finished, '
-        f'without the practice. {(counted["pages"] > 1).sum()} of the answers came after the page '
-        'was loaded again, so that their times may hold a break.'
+        'without the practice and the attention trials. '
+        f'{(counted["pages"] > 1).sum()} of the answers came after the page was loaded again, so '
+        'that their times may hold a break.'
     )

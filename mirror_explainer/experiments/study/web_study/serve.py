@@ -9,6 +9,7 @@ from mirror_explainer.experiments.study.scenarios import scenarios
 from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.experiments.study.web_study.database import open_database
 from mirror_explainer.experiments.study.web_study.design import Design, design, practice_scenario
+from mirror_explainer.experiments.study.web_study.study_file import read_study_file
 from mirror_explainer.planning import Planner
 from mirror_explainer.web.address import Address
 from mirror_explainer.web.serving import serve
@@ -16,20 +17,29 @@ from mirror_explainer.web.serving import serve
 SCENARIOS, SEED = 12, 0
 
 
-def serve_study(file: Path, number: int | None, seed: int | None, address: Address) -> None:
+def serve_study(
+    file: Path, number: int | None, seed: int | None, address: Address, study_file: Path | None
+) -> None:
     """Serve the study of a database, which is made where there is none.
 
-    `number` of scenarios and `seed` are those of a new one; None: as usual. Raises
-    InputError where the database's study has others, PlanningError, and OSError.
+    `number` of scenarios and `seed` are those of a new one; None: the study file's, or as
+    usual. Raises InputError where the database's study has others, and for a study file
+    with faults, PlanningError, and OSError.
     """
-    found = open_database(file, lambda: _made(number or SCENARIOS, seed or SEED), address)
+    study = read_study_file(study_file) if study_file else None
+    if study:
+        number = study.scenarios if number is None else number
+        seed = study.seed if seed is None else seed
+    found, _, key = open_database(
+        file, lambda: _made(number or SCENARIOS, seed or SEED), address, study
+    )
     if number not in (None, found.drawn) or seed not in (None, found.seed):
         raise InputError(
             str(file),
             f'its study has {found.drawn} scenarios of seed {found.seed}, for good',
             cure='Name another --database for another study.',
         )
-    serve(address)
+    serve(address, {'For the researcher alone': f'researcher?key={key}'})
 
 
 def _made(number: int, seed: int) -> Design:
