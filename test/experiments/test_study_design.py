@@ -37,7 +37,7 @@ from mirror_explainer.settings import STRATEGIES
 
 def plain(name):
     choices = tuple(Choice(f'goal {i}') for i in range(3))
-    return Encounter(name, '', choices, 'goal 0', ('sentence',), {})
+    return Encounter(name, '', choices, 'goal 0', ('sentence',), {'increasing': (0,)})
 
 
 DESIGN = Design(7, 12, 'domain', plain(PRACTICE), tuple(plain(f's{i}') for i in range(12)))
@@ -137,9 +137,12 @@ def test_an_encounter_has_what_the_simulated_participants_hear(planned):
     met = encounter(planned)
 
     assert met.sentences == planned.model.sentences
-    assert met.orders['increasing'] == tuple(range(met.steps))
-    assert met.orders['decreasing'] == tuple(reversed(range(met.steps)))
-    assert sorted(met.orders['informative']) == list(range(met.steps))
+    for order in met.orders.values():
+        said = [met.sentences[position] for position in order]
+        assert sorted(said) == sorted(set(met.sentences))
+        assert len(said) == met.steps
+    assert list(met.orders['increasing']) == sorted(met.orders['increasing'])
+    assert met.orders['decreasing'][0] == len(met.sentences) - 1
     assert [choice.name for choice in met.choices] == [drawn.goals[i].name for i in drawn.shown]
     assert met.goal in [choice.name for choice in met.choices]
 

@@ -189,7 +189,7 @@ def test_the_token_is_exchanged_for_a_cookie_that_does_not_hold_it(guarded):
 
 
 def test_the_token_never_sends_a_browser_elsewhere(guarded):
-    assert ask(guarded, f'//evil.example/?token={TOKEN}').headers['Location'] == '/'
+    assert ask(guarded, f'//evil.example/?token={TOKEN}').headers['Location'] == '/evil.example/'
 
 
 def test_what_else_the_address_asks_for_outlasts_the_token(guarded):

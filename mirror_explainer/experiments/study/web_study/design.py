@@ -60,8 +60,8 @@ class Encounter:
 
     @property
     def steps(self) -> int:
-        """How many steps the encounter has: as many as the plan has actions."""
-        return len(self.sentences)
+        """How many steps the encounter has: as many as there are different sentences."""
+        return len(next(iter(self.orders.values())))
 
     @property
     def true_choice(self) -> Choice:
