@@ -16,11 +16,13 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.listeners import chosen
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import Preparation, RobotPlan
-from mirror_explainer.listener.speech import reached, spoken
-from mirror_explainer.listener.wording import StepStatus
+from mirror_explainer.listener.sentences import Sentences
+from mirror_explainer.listener.speech import reached, spoken, stuck
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
+from mirror_explainer.pddl.progress import StepStatus
+from mirror_explainer.pddl.situation import FIRST, NEW_TASK, Situation
 from mirror_explainer.planning import Plan
 from mirror_explainer.selection.choice import (
     Selection,
@@ -36,7 +38,7 @@ _KEYS = (
     'doubt_before', 'doubt_after', 'cross_entropy_before', 'cross_entropy_after',
     'understanding_before', 'understanding', 'true_goal', 'unmentioned', 'optimal', 'gap',
     'complete', 'planned', 'covered_mass', 'unsolvable_mass', 'unknown_mass', 'plans_cut',
-    'listener', 'goals', 'facts', 'plan',
+    'listener', 'goals', 'facts', 'plan', 'episode',
 )  # fmt: skip
 
 
@@ -55,6 +57,7 @@ class Explanation:
     selection: Selection
     said: tuple[int, ...]
     seconds_selecting: float = 0.0
+    opening: str = ''
 
     @property
     def strategy(self) -> str:
@@ -84,11 +87,19 @@ class Explanation:
     @cached_property
     def spoken(self) -> str:
         """The answer as a person hears it: like steps in one sentence, a sentence a line."""
-        sentences = self.preparation.sentences
-        if not self.model.sentences:
-            return reached(sentences, ())
+        situation, sentences = self.preparation.situation, self.preparation.sentences
+        failed = situation.progress.failed if situation else ()
+        lines = [self.opening]
+        lines += [stuck(sentences, self.model.plan.actions[position]) for position in failed[:1]]
+        return '\n'.join(filter(None, [*lines, self._steps_spoken(sentences)]))
+
+    def _steps_spoken(self, sentences: Sentences) -> str:
+        statuses = self.preparation.statuses
+        if all(status is StepStatus.DONE for status in statuses):
+            return reached(sentences, self.actions)
         if self.positions:
-            return spoken(sentences, [(action, StepStatus.AHEAD) for action in self.actions])
+            told = [(self.model.plan.actions[p], statuses[p]) for p in self.positions]
+            return spoken(sentences, told)
         heard = {self.model.sentences[position] for position in self.said}
         if heard.issuperset(self.model.sentences):
             return sentences.phrases.all_heard
@@ -215,14 +226,31 @@ class Explanation:
         """Each step of the plan, with what its sentence alone would tell."""
         rows = zip(
             self.model.plan.actions,
-            self.model.sentences,
+            self.preparation.statuses,
             self.model.single_gains(self.said),
             strict=True,
         )
         return [
-            {'position': i, 'action': action, 'sentence': sentence, 'information_gain': gain}
-            for i, (action, sentence, gain) in enumerate(rows)
+            {
+                'position': i,
+                'action': action,
+                'sentence': self.preparation.sentences.said(action, status),
+                'status': str(status),
+                'information_gain': gain,
+            }
+            for i, (action, status, gain) in enumerate(rows)
         ]
+
+    @property
+    def episode(self) -> dict[str, Any]:
+        """Which of the robot's tasks this is about, since when, and why it began."""
+        situation = self.preparation.situation
+        began = situation.began if situation else None
+        return {
+            'number': situation.number if situation else 1,
+            'began': began.isoformat(timespec='seconds') if began else None,
+            'reason': situation.reason if situation else FIRST,
+        }
 
     @property
     def hypotheses(self) -> list[dict[str, Any]]:
@@ -293,12 +321,23 @@ def robot_plan(
     except InputError as error:
         if steps:
             raise
-        raise NoPlanError(
-            source,
-            'the robot has no current plan',
-            cure='Nothing is to be done if the robot has no task now: its next plan is explained.',
-        ) from error
+        raise no_plan(source) from error
     return RobotPlan(Plan(tuple(step.action for step in steps), run.cost), run)
+
+
+def no_plan(source: str) -> NoPlanError:
+    """Return the error of a robot that has nothing to do."""
+    return NoPlanError(
+        source,
+        'the robot has no current plan',
+        cure='Nothing is to be done if the robot has no task now: its next plan is explained.',
+    )
+
+
+def robot_plan_of(situation: Situation) -> RobotPlan:
+    """Return π_R of an episode."""
+    episode = situation.episode
+    return RobotPlan(Plan(episode.actions, episode.run.cost), episode.run)
 
 
 def explain(
@@ -306,24 +345,55 @@ def explain(
     question: Question | None = None,
     said: Sequence[str] = (),
     said_source: str = 'sentences said earlier',
+    last_episode: int | None = None,
 ) -> Explanation:
     """Choose what to say.
 
-    `said` are sentences that the listener has heard, from `said_source`. Raises InputError
-    for one that is not in the plan.
+    `said` are sentences that the listener has heard, from `said_source`, and `last_episode`
+    the number of the episode that the last answer was about, if there was one. Raises
+    InputError for a sentence that is not in the plan.
     """
     started = time.perf_counter()
     question = question or Question()
     listener = chosen(preparation.listener, question.listener, question.min_gain)
     model = preparation.model_for(listener)
     heard = _positions_of(said, said_source, model)
-    selection = _selection(model, question, heard)
+    first = not heard
+    if not question.tell_past:
+        heard = tuple(sorted({*heard, *_past(preparation, model)}))
+    selection = _selection(model, question, heard, first)
     return Explanation(
-        preparation, model, question, selection, heard, time.perf_counter() - started
+        preparation,
+        model,
+        question,
+        selection,
+        heard,
+        time.perf_counter() - started,
+        _opening(preparation, last_episode),
     )
 
 
-def _selection(model: MirrorModel, question: Question, heard: Sequence[int]) -> Selection:
+def _past(preparation: Preparation, model: MirrorModel) -> list[int]:
+    """Return the positions that sentences stand for of which every step is done."""
+    statuses = preparation.statuses
+    return [
+        places[-1]
+        for places in model.places
+        if all(statuses[place] is StepStatus.DONE for place in places)
+    ]
+
+
+def _opening(preparation: Preparation, last_episode: int | None) -> str:
+    """Return what is said first if the last answer was about another episode."""
+    situation, phrases = preparation.situation, preparation.sentences.phrases
+    if situation is None or last_episode in (None, situation.number):
+        return ''
+    return phrases.new_task if situation.reason == NEW_TASK else phrases.replanned
+
+
+def _selection(
+    model: MirrorModel, question: Question, heard: Sequence[int], first: bool
+) -> Selection:
     evidence = model.evidence(heard)
     nothing = Selection((), 0.0)
     if not evidence.places or (heard and evidence.doubt_before < question.threshold):
@@ -333,7 +403,7 @@ def _selection(model: MirrorModel, question: Question, heard: Sequence[int]) -> 
     budget = question.selection_budget
     if question.threshold > 0:
         return smallest_sufficient(evidence, question.threshold, question.n, budget)
-    return most_informative(evidence, question.n, budget, first=not heard)
+    return most_informative(evidence, question.n, budget, first=first)
 
 
 def _positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple[int, ...]:

@@ -3,13 +3,13 @@
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 from mirror_explainer.commands.options import add_settings, settings_from
-from mirror_explainer.errors import NoPlanError, PlanningError, told
-from mirror_explainer.explainer import robot_plan
+from mirror_explainer.errors import InputError, NoPlanError, PlanningError, told
+from mirror_explainer.explainer import robot_plan, robot_plan_of
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import (
     Preparation,
@@ -20,6 +20,8 @@ from mirror_explainer.listener.preparation import (
 )
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.pddl.plan_text import read_plan, without_dummy
+from mirror_explainer.pddl.situation import Situation, situation_of
 from mirror_explainer.planning import Planner
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import Selection, baseline, curve
@@ -33,6 +35,9 @@ def add_file_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGro
     files.add_argument('--domain', required=True, help='PDDL domain')
     files.add_argument('--problem', required=True, help="PDDL problem: the robot's state and goal")
     files.add_argument('--plan', help="the robot's plan; planned for if left out")
+    files.add_argument(
+        '--progress', help='how far the robot is: "done: (…)" or "running: (…)", one step a line'
+    )
     files.add_argument('--user-model', required=True, help='YAML: what the listener may believe')
     return files
 
@@ -49,10 +54,18 @@ def prepare_files(options: argparse.Namespace) -> Preparation:
     InputError, and PlanningError if the robot's own plan was to be found and is not.
     """
     started = time.perf_counter()
-    task = read_task(
-        read_text(options.domain), read_text(options.problem), options.domain, options.problem
-    )
-    given = _given_plan(task, options.plan) if options.plan else None
+    domain, problem = read_text(options.domain), read_text(options.problem)
+
+    def read_problem(text: str) -> Task:
+        return read_task(domain, text, options.domain, options.problem)
+
+    task = read_problem(problem)
+    situation = None
+    if options.plan:
+        situation = _given_plan(task, domain, problem, options.plan, read_problem)
+        task = read_problem(situation.problem)
+        if options.progress:
+            situation = situation.telling(read_text(options.progress), options.progress)
     user_model = read_user_model(options.user_model, task)
     read = time.perf_counter() - started
     settings = settings_from(PlanningSettings, options)
@@ -63,8 +76,9 @@ def prepare_files(options: argparse.Namespace) -> Preparation:
         memory_limit=settings.planner_memory_limit,
         downward_binary=settings.downward_binary,
     ) as planner:
-        own = given or _own_plan(task, user_model, planner, settings)
-        preparation = prepare(task, own, user_model, settings)
+        own = robot_plan_of(situation) if situation else None
+        own = own or _own_plan(task, user_model, planner, settings)
+        preparation = replace(prepare(task, own, user_model, settings), situation=situation)
         try:
             preparation = refine(preparation, planner, progress=_show_progress)
         except PlanningError as error:
@@ -73,13 +87,18 @@ def prepare_files(options: argparse.Namespace) -> Preparation:
     return replace(preparation, seconds=replace(preparation.seconds, read=read))
 
 
-def _given_plan(task: Task, path: str) -> RobotPlan:
-    """Read and check the robot's plan."""
+def _given_plan(
+    task: Task, domain: str, problem: str, path: str, read_problem: Callable[[str], Task]
+) -> Situation:
+    """Return the situation of a robot with a plan: the problem may lie in the middle of it."""
+    steps = without_dummy(task, read_plan(read_text(path), path))
     try:
-        return robot_plan(task, read_text(path), path)
-    except NoPlanError as error:
+        return situation_of(domain, problem, steps, read_problem, path)
+    except InputError as error:
+        if steps:
+            raise
         cure = 'Leave --plan out, and a plan is made.'
-        raise NoPlanError(error.source, error.reason, cure=cure) from error
+        raise NoPlanError(path, 'the robot has no current plan', cure=cure) from error
 
 
 def _own_plan(

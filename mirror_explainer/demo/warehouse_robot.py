@@ -19,11 +19,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 
-from mirror_explainer.demo.problem_text import with_state
 from mirror_explainer.errors import InputError, told
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import Step, read_plan
+from mirror_explainer.pddl.problem_text import with_state
 from mirror_explainer.text_files import read_text
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

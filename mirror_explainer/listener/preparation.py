@@ -17,7 +17,9 @@ from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.listener.way import Way
 from mirror_explainer.pddl import Task
+from mirror_explainer.pddl.progress import StepStatus
 from mirror_explainer.pddl.simulation import Run, truths
+from mirror_explainer.pddl.situation import Situation
 from mirror_explainer.planning import Belief, BeliefPlans, Plan, Planner, Status, Stop
 from mirror_explainer.settings import PlanningSettings
 
@@ -48,6 +50,8 @@ class Preparation:
 
     `results` are what planning found so far. `inputs` tells whoever made it which inputs it
     was made from. For `failed_beliefs` the planner failed, and trying again may bring more.
+    `situation` says how far the robot is with its plan. `unsure` says, if planning leaves
+    something of the domain out, why a belief without a plan may have one all the same.
     """
 
     prior: Prior
@@ -62,7 +66,16 @@ class Preparation:
     planner_calls: int = 0
     failed_beliefs: int = 0
     inputs: str = ''
+    situation: Situation | None = None
+    unsure: str = ''
     _models: dict[Listener, MirrorModel] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def statuses(self) -> tuple[StepStatus, ...]:
+        """How far the robot is with each step of its plan."""
+        if self.situation is None:
+            return (StepStatus.AHEAD,) * len(self.way.plan.actions)
+        return self.situation.progress.steps
 
     @property
     def model(self) -> MirrorModel:
@@ -105,7 +118,15 @@ def prepare(
         user_model.listener,
         settings,
         warnings=prior.warnings,
+        unsure=_unsure(task),
     )
+
+
+def _unsure(task: Task) -> str:
+    """Say why a belief without a plan may have one, "" if it cannot."""
+    if task.may_need_overlap:
+        return 'its actions may have to overlap'
+    return 'planned for with something left out' if task.relaxed else ''
 
 
 def way_of(task: Task, robot_plan: RobotPlan, prior: Prior, sentences: Sentences) -> Way:
@@ -139,9 +160,14 @@ def refine(
     beliefs = prior.to_plan_for
     found: dict[Belief, BeliefPlans] = {}
 
+    def judged(result: BeliefPlans) -> BeliefPlans:
+        if preparation.unsure and result.status is Status.UNSOLVABLE:
+            return BeliefPlans(Status.UNKNOWN, reason=preparation.unsure)
+        return result
+
     def take(belief: Belief, result: BeliefPlans) -> None:
         nonlocal told
-        found[belief] = result
+        found[belief] = judged(result)
         if progress:
             progress(len(found), len(beliefs))
         if on_refined and time.monotonic() - told > _BETWEEN_REFINEMENTS:
@@ -156,8 +182,9 @@ def refine(
         cancelled=cancelled,
         found=take,
     )
-    results = dict(zip(beliefs, report.results, strict=True))
-    _require_truth(results[beliefs[0]], preparation.way.plan)
+    results = dict(zip(beliefs, map(judged, report.results), strict=True))
+    if not preparation.unsure:
+        _require_truth(results[beliefs[0]], preparation.way.plan)
     seconds = replace(preparation.seconds, planning=time.monotonic() - started)
     return replace(
         preparation,

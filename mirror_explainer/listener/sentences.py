@@ -17,8 +17,9 @@ from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.readable import Readable, Readables
 from mirror_explainer.listener.roles import Roles, roles_of
 from mirror_explainer.listener.user_model import UserModel
-from mirror_explainer.listener.wording import StepStatus, Template, Wording, parts
+from mirror_explainer.listener.wording import Template, Wording, parts
 from mirror_explainer.pddl import Task, words_of
+from mirror_explainer.pddl.progress import StepStatus
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from mirror_explainer.listener.english import inability
 from mirror_explainer.listener.sentences import Said, Sentences
-from mirror_explainer.listener.wording import StepStatus, parts
+from mirror_explainer.listener.wording import parts
+from mirror_explainer.pddl.progress import StepStatus
 
 # What stands before each of several objects: "the cup and the plate".
 _ARTICLES = frozenset(['the', 'a', 'an', 'my', 'your'])

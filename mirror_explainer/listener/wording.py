@@ -2,18 +2,9 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
 from string import Formatter
 
 TYPE = 'type '  # begins a key of `Template.when` that stands for all objects of a type
-
-
-class StepStatus(StrEnum):
-    """How far the robot is with a step of its plan."""
-
-    AHEAD = 'ahead'
-    RUNNING = 'running'
-    DONE = 'done'
 
 
 @dataclass(frozen=True)

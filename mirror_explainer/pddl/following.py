@@ -43,6 +43,8 @@ def follow(
         if agrees:
             found.append(progress)
     fitting = [progress for progress in found if left is None or _fits(progress, left)]
+    if not fitting and remaining is not None and not remaining:
+        return None  # the robot has no plan any more
     if not fitting and task and remaining is not None:
         _, fault = tried(task, remaining)
         if fault is None:

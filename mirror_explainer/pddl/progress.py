@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl.atoms import ground_text
@@ -18,12 +18,12 @@ _STATUSES = ('done', 'running', 'failed', 'ahead')
 _FORM = 'Write one step a line, as in "done: (move a b)", with done, running or failed.'
 
 
-class StepStatus(Enum):
-    """What has become of a step."""
+class StepStatus(StrEnum):
+    """How far the robot is with a step of its plan."""
 
-    DONE = 'done'
-    RUNNING = 'running'
     AHEAD = 'ahead'
+    RUNNING = 'running'
+    DONE = 'done'
 
 
 @dataclass(frozen=True)

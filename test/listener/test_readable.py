@@ -258,7 +258,7 @@ def test_what_the_user_model_calls_an_object_is_said_in_default_sentences_too(ta
 
 
 def test_a_default_sentence_is_said_in_all_tenses(task: Task) -> None:
-    from mirror_explainer.listener.wording import StepStatus
+    from mirror_explainer.pddl.progress import StepStatus
 
     sentences = sentences_for(task, NO_TEMPLATES)
 

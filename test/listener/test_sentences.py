@@ -3,8 +3,9 @@
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Sentences, action_parameters, sentences_for
 from mirror_explainer.listener.user_model import UserModel
-from mirror_explainer.listener.wording import StepStatus, Template, Wording
+from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task
+from mirror_explainer.pddl.progress import StepStatus
 
 
 def test_an_action_that_nothing_is_known_of_is_said_with_all_of_its_objects() -> None:

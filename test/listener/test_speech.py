@@ -5,7 +5,8 @@ import pytest
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Sentences
 from mirror_explainer.listener.speech import reached, spoken, stuck
-from mirror_explainer.listener.wording import StepStatus, Template, Wording
+from mirror_explainer.listener.wording import Template, Wording
+from mirror_explainer.pddl.progress import StepStatus
 
 AHEAD, RUNNING, DONE = StepStatus.AHEAD, StepStatus.RUNNING, StepStatus.DONE
 PARAMETERS = {'shoot': ('t',), 'bring': ('i', 'r'), 'swap': ('i', 'j'), 'wait': (), 'next': ('i',)}

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import pytest
 from conftest import WAREHOUSE
 
-from mirror_explainer.demo.problem_text import with_state
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import Step, read_plan
+from mirror_explainer.pddl.problem_text import with_state
 
 # A gardener whose cart is full or not by an axiom, with a water level and a metric.
 DERIVED_DOMAIN = """

@@ -1,0 +1,98 @@
+"""Where the robot is: in which episode, and how far; made anew by each of its messages."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.pddl.episode import Episode, begin, goal_of
+from mirror_explainer.pddl.following import follow
+from mirror_explainer.pddl.plan_text import Step
+from mirror_explainer.pddl.problem_text import with_state
+from mirror_explainer.pddl.progress import Progress, read_progress
+from mirror_explainer.pddl.states import Evaluator
+from mirror_explainer.pddl.task import Task
+
+FIRST, REPLANNED, NEW_TASK = 'first', 'replanned', 'new task'
+
+
+@dataclass(frozen=True)
+class Situation:
+    """An episode of the robot, the `number`-th, and how far its plan is.
+
+    `domain` and `problem` are the texts of its task, with the state in which it began;
+    `reason` is why it began: FIRST, REPLANNED for the same goal, or NEW_TASK. `seen` is the
+    progress that states show, `told` what the robot itself says of it, if it does.
+    """
+
+    episode: Episode
+    seen: Progress
+    domain: str
+    problem: str
+    number: int = 1
+    reason: str = FIRST
+    began: datetime | None = None
+    told: Progress | None = None
+
+    @property
+    def progress(self) -> Progress:
+        """How far the plan is, as far as is known."""
+        return self.seen if self.told is None else self.told
+
+    def telling(self, text: str, source: str = 'progress') -> 'Situation':
+        """Return the situation with the progress that the robot tells. Raises InputError."""
+        told = read_progress(text, self.episode.actions, self.told, source)
+        return replace(self, told=told)
+
+
+def situation_of(
+    domain: str,
+    problem: str,
+    steps: Sequence[Step],
+    read: Callable[[str], Task],
+    source: str = 'plan',
+    limits: InputLimits | None = None,
+) -> Situation:
+    """Return the situation in which a robot is first heard of.
+
+    `read` reads a problem's text, together with the domain. Raises InputError for a plan that
+    has nothing to do with the problem's state.
+    """
+    task = read(problem)
+    episode, progress = begin(task, steps, source, limits)
+    if episode.first != Evaluator(task).first_state():
+        problem = with_state(problem, episode.first)
+    began = datetime.now().astimezone()
+    return Situation(episode, progress, domain, problem, began=began)
+
+
+def next_situation(
+    before: Situation,
+    domain: str,
+    problem: str,
+    steps: Sequence[Step],
+    read: Callable[[str], Task],
+    source: str = 'plan',
+    limits: InputLimits | None = None,
+    uncertain: Collection[str] = (),
+    is_told: bool = False,
+) -> Situation:
+    """Return the situation after newer messages: in the same episode if they are progress in it.
+
+    `uncertain` are the facts that the listener is unsure of. A robot that tells its progress
+    itself (`is_told`) is in the episode as long as its plan is the whole plan of that, whatever
+    its state. Raises InputError.
+    """
+    same_goal = False
+    if domain == before.domain:
+        task = read(problem)
+        same_goal = goal_of(task) == before.episode.goal
+        if same_goal and is_told and tuple(s.action for s in steps) == before.episode.actions:
+            return before
+        state = Evaluator(task).first_state()
+        seen = follow(before.episode, state, before.seen, steps, uncertain, task)
+        if seen is not None:
+            return replace(before, seen=seen)
+    new = situation_of(domain, problem, steps, read, source, limits)
+    reason = REPLANNED if same_goal else NEW_TASK
+    return replace(new, number=before.number + 1, reason=reason)
