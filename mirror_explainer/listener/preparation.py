@@ -4,6 +4,7 @@ There is a preparation without any planning, from which a sensible answer comes 
 planning refines it (method, section 4).
 """
 
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -81,6 +82,16 @@ class Preparation:
     def model(self) -> MirrorModel:
         """P_R^H of the user model's listener."""
         return self.model_for(self.listener)
+
+    @property
+    def planned(self) -> float:
+        """The share of P(B) that is planned for, or proved unsolvable."""
+        known = (self.results.get(belief) for belief in self.prior.beliefs)
+        masses = zip(self.prior.probabilities, known, strict=True)
+        planned = math.fsum(
+            p for p, result in masses if result and result.status is not Status.UNKNOWN
+        )
+        return min(1.0, planned / math.fsum(self.prior.goal_masses))
 
     def model_for(
         self, listener: Listener, stop: Callable[[], None] = lambda: None

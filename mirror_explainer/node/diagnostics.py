@@ -175,19 +175,23 @@ def _work(readiness: Readiness, history: History, answer: Explanation | None) ->
     if history.last_call is not None:
         values['seconds of last call'] = f'{history.last_call:.3f}'
     if answer is not None:
-        values['seconds selecting'] = f'{answer.preparation.seconds.selection:.3f}'
-    if readiness.preparation is not None:
-        model, seconds = readiness.preparation.model, readiness.preparation.seconds
+        values['seconds selecting'] = f'{answer.seconds_selecting:.3f}'
+    preparation = readiness.preparation
+    if preparation is not None:
         values |= {
-            'seconds reading': f'{seconds.read:.3f}',
-            'seconds planning': f'{seconds.planning:.3f}',
-            'planner calls': str(readiness.preparation.planner_calls),
+            'seconds reading': f'{preparation.seconds.read:.3f}',
+            'planned': f'{preparation.planned:.6f}',
+            'covered mass': f'{preparation.prior.covered_mass:.6f}',
+            'warnings': '; '.join(preparation.warnings) or 'none',
+        }
+    if preparation is not None and readiness.phase is Phase.READY:
+        model = preparation.model
+        values |= {
+            'seconds planning': f'{preparation.seconds.planning:.3f}',
+            'planner calls': str(preparation.planner_calls),
             'hypotheses': str(len(model.hypotheses)),
-            'covered mass': f'{model.covered:.6f}',
             'unsolvable mass': f'{model.unsolvable:.6f}',
             'unknown mass': f'{1.0 - model.planned:.6f}',
-            'planned': f'{model.planned:.6f}',
-            'warnings': '; '.join(readiness.preparation.warnings) or 'none',
         }
     return values
 

@@ -22,7 +22,7 @@ class NodeSettings:
     user_model_file: str = setting('', 'YAML: what the listener may believe', metavar='FILE')
     remember: bool = setting(False, 'whether each answer conditions the next')
     answer_timeout: float = setting(
-        5.0, 's, that a call waits for an update', least=0.0, most=1e6, metavar='S'
+        1.0, 's, that a call waits for planning to be done', least=0.0, most=1e6, metavar='S'
     )
 
 

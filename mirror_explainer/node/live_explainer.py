@@ -20,7 +20,7 @@ from mirror_explainer.node.surroundings import look_around
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.planning import Planner
 
-# Each call that waits holds a thread of whoever calls.
+# Each call that waits holds a thread of whoever calls. More than these are answered at once.
 MOST_WAITING_CALLS = 56
 
 _NOT_READY = 'the explanation is not ready yet'
@@ -95,7 +95,8 @@ class LiveExplainer:
     def ask(self) -> Reply:
         """Return the answer to "What are you up to?" for what was heard until now, or later.
 
-        Waits `answer_timeout` at most for an update under way.
+        Waits `answer_timeout` at most for planning to be done, and answers from what is known
+        then; only where the texts are not read yet there is no answer.
         """
         started = time.perf_counter()
         try:
@@ -156,7 +157,6 @@ class LiveExplainer:
 
     def _reply(self) -> Reply:
         configuration = self._configuration
-        waits = ''
         if self._waiting.acquire(blocking=False):
             try:
                 readiness = self._updates.wait(configuration.node.answer_timeout)
@@ -164,11 +164,10 @@ class LiveExplainer:
                 self._waiting.release()
         else:
             readiness = self._updates.readiness
-            waits = f' (and {MOST_WAITING_CALLS} calls wait for it, as many as may)'
-        if readiness.phase is Phase.PLANNING:
-            return Reply(False, f'{_NOT_READY}: {readiness.message}{waits}')
         if readiness.preparation is None:
-            return Reply(False, readiness.message)
+            is_early = readiness.phase is Phase.PLANNING
+            message = f'{_NOT_READY}: {readiness.message}' if is_early else readiness.message
+            return Reply(False, message)
         text = self._answers.give(
             readiness.preparation,
             readiness.number,

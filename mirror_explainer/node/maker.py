@@ -22,6 +22,8 @@ from mirror_explainer.text_files import TextFiles
 
 _log = logging.getLogger(__name__)
 
+Tell = Callable[[Readiness], None]
+
 _START = (
     "Start what publishes these topics in the node's namespace, or remap them; set the parameters."
 )
@@ -55,11 +57,12 @@ class Maker:
         """Take what is read from now on for what the files are like."""
         self.files = TextFiles()
 
-    def make(
-        self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
-    ) -> Readiness:
-        """Return what comes of the inputs. Raises Cancelled when it is to stop."""
-        readiness = self._readiness_for(inputs, stop, progress)
+    def make(self, inputs: Inputs, stop: StopRequest, tell: Tell) -> Readiness:
+        """Return what comes of the inputs. Raises Cancelled when it is to stop.
+
+        `tell` is called meanwhile with what there is to answer from, once the texts are read.
+        """
+        readiness = self._readiness_for(inputs, stop, tell)
         return replace(readiness, inputs=self._as_read(inputs))
 
     def close(self) -> None:
@@ -68,16 +71,15 @@ class Maker:
             self._closed = True
         self._drop_planner()
 
-    def _readiness_for(
-        self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
-    ) -> Readiness:
+    def _readiness_for(self, inputs: Inputs, stop: StopRequest, tell: Tell) -> Readiness:
         try:
             if inputs.missing:
                 _check_alone(inputs, partial(self.files.read, limits=inputs.limits))
                 return Readiness(
                     Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
                 )
-            preparation = self._prepare(inputs, stop, progress)
+            unplanned = self._prepare(inputs, stop)
+            preparation = self._refine(unplanned, self._as_read(inputs), stop, tell)
             failed = preparation.failed_beliefs > 0
             return Readiness(Phase.READY, 'ready', preparation, may_pass=failed)
         except NoPlanError as error:
@@ -96,9 +98,8 @@ class Maker:
             message = f'internal error, please report it: {error!r}'
             return Readiness(Phase.ERROR, message, cure=_REPORT, may_pass=True)
 
-    def _prepare(
-        self, inputs: Inputs, stop: StopRequest, progress: Callable[[int, int], None]
-    ) -> Preparation:
+    def _prepare(self, inputs: Inputs, stop: StopRequest) -> Preparation:
+        """Return what is known once all is read, without any planning."""
         assert inputs.problem and inputs.plan  # nothing is missing
         started = time.perf_counter()
         limits = inputs.limits
@@ -109,11 +110,34 @@ class Maker:
         plan = robot_plan(task, inputs.plan.text, inputs.plan.source, limits)
         stop.check()
         user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
-        read = time.perf_counter() - started
         preparation = prepare(task, plan, user_model, inputs.planning)
-        preparation = refine(preparation, self._ready_planner(), cancelled=stop, progress=progress)
-        seconds = replace(preparation.seconds, read=read)
+        seconds = replace(preparation.seconds, read=time.perf_counter() - started)
         return replace(preparation, seconds=seconds, inputs=self._as_read(inputs).digest)
+
+    def _refine(
+        self, preparation: Preparation, inputs: Inputs, stop: StopRequest, tell: Tell
+    ) -> Preparation:
+        """Return what is known after planning; tell meanwhile what is known so far."""
+        known = preparation
+
+        def progress(done: int, beliefs: int) -> None:
+            message = f'planning {done} of {beliefs}'
+            tell(Readiness(Phase.PLANNING, message, known, inputs))
+
+        def on_refined(refined: Preparation) -> None:
+            nonlocal known
+            known = refined
+
+        progress(0, len(preparation.prior.beliefs))
+        refined = refine(
+            preparation,
+            self._ready_planner(),
+            cancelled=stop,
+            on_refined=on_refined,
+            progress=progress,
+        )
+        refined.model_for(refined.listener, stop.check)  # made here, where newer inputs stop it
+        return refined
 
     def _as_read(self, inputs: Inputs) -> Inputs:
         """Return the inputs with the revision of the files that were read for them."""

@@ -21,6 +21,8 @@ class Phase(Enum):
 class Readiness:
     """Where an update stands: `message` says it in words, `preparation` is what to answer from.
 
+    That is there once the texts are read, and is refined while planning goes on.
+
     `inputs` are those that it is about, the `number`-th that were submitted; `cure` says
     what a person can do about it. `since` is when it came to be so. `blamed` is the file or
     topic of a wrong input; `may_pass` says that the inputs are not to blame, so that another
@@ -44,6 +46,8 @@ class Readiness:
 
     def is_no_better_than(self, now: 'Readiness') -> bool:
         """Whether another attempt changed nothing: the same error, or as many beliefs failed."""
+        if now.phase is Phase.PLANNING:  # this is the first attempt
+            return False
         if now.preparation is None:
             return self.phase is Phase.ERROR and self.message == now.message
         if self.preparation is None:

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from mirror_explainer.errors import Cancelled
 from mirror_explainer.node.inputs import Inputs, Text
@@ -42,9 +43,11 @@ class _Work:
 class Updates:
     """Makes the newest inputs ready to answer from, in a thread of its own.
 
-    Newer inputs stop the work on older ones: at once, but if the work before it came
-    to nothing it may go on for as long as calls wait, so that inputs which never rest are
-    worked on, too. What comes of it goes to the calls that came before the newer inputs.
+    Once the texts are read there is something to answer from, and planning refines it. Newer
+    inputs stop the work on older ones: at once, but if the work before it was stopped, too,
+    its texts are read and planning goes on for half as long as calls wait. So inputs that never
+    rest are planned for, and calls about newer ones need not wait for longer than they do. What
+    comes of it goes to the calls that came before the newer inputs.
 
     `on_done` is called from the thread when an update is done. What failed for
     another reason than its inputs is tried again (`retries.py`); until that is done,
@@ -57,11 +60,12 @@ class Updates:
         self._on_done = on_done
         self._changed = threading.Condition()
         self._current = Readiness(Phase.WAITING, 'waiting for inputs')
-        self._finished = self._current
+        self._known = self._current
         self._newest: Inputs | None = None
         self._number = 0
         self._pending = False
-        self._came_to_nothing = False
+        self._was_stopped = False
+        self._working_on = 0
         self._patience = 0.0
         self._doubt: tuple[Text | None, float] = (None, 0.0)
         self._retrying = False
@@ -115,15 +119,22 @@ class Updates:
         self._newest = inputs
         self._number += 1
         self._pending = True
-        self._stop.after(self._patience if self._came_to_nothing else 0.0)
+        self._make_way()
         self._current = Readiness(Phase.PLANNING, 'reading the newest inputs', inputs=inputs)
         self._changed.notify_all()
+
+    def _make_way(self) -> None:
+        """Stop the work under way for newer inputs, now or later."""
+        if not self._was_stopped:
+            self._stop.after(0.0)
+        elif self._known.number == self._working_on:  # its texts are read
+            self._stop.after(self._patience / 2)
 
     def wait(self, timeout: float) -> Readiness:
         """Return what came of the inputs that are the newest now, or of newer ones.
 
         What failed is tried again, unless that was done just now. After `timeout`
-        seconds return where things stand.
+        seconds return what is known until then, or where things stand if that is nothing.
         """
         end = time.monotonic() + timeout
         self.look_at_files(timeout)
@@ -133,15 +144,16 @@ class Updates:
                 self._retrying = True
                 self._changed.notify_all()
             self._changed.wait_for(
-                lambda: self._closed or self._is_finished(newest), end - time.monotonic()
+                lambda: self._closed or self._is_done(newest), end - time.monotonic()
             )
-            done = self._is_finished(newest) and not self._closed
-            return self._finished if done else self._current
+            is_known = self._known.number >= newest and not self._closed
+            return self._known if is_known else self._current
 
-    def _is_finished(self, number: int) -> bool:
+    def _is_done(self, number: int) -> bool:
         """Whether work on this submission, or a later one, is done, and no error tried again."""
         may_turn_good = self._retrying and self._current.phase is Phase.ERROR
-        return self._finished.number >= number and not may_turn_good
+        is_done = self._known.number >= number and self._known.phase is not Phase.PLANNING
+        return is_done and not may_turn_good
 
     def close(self, timeout: float = 1.0) -> None:
         """Stop at once; wait up to `timeout` seconds for the thread to end."""
@@ -159,10 +171,10 @@ class Updates:
         while (work := self._next_work()) is not None:
             began = time.monotonic()
             try:
-                outcome = self._maker.make(work.inputs, work.stop, self._tell)
+                outcome = self._maker.make(work.inputs, work.stop, partial(self._tell, work))
             except Cancelled:
                 with self._changed:
-                    self._came_to_nothing = True
+                    self._was_stopped = True
                 continue
             took = time.monotonic() - began
             outcome = replace(outcome, number=work.number)
@@ -206,31 +218,44 @@ class Updates:
             return None
         self._pending = False
         self._stop = StopRequest()
+        self._working_on = self._number
         return _Work(self._newest, self._number, self._stop)
 
-    def _tell(self, done: int, beliefs: int) -> None:
-        """Say how far the planning is."""
+    def _tell(self, work: _Work, meanwhile: Readiness) -> None:
+        """Say how far the planning is, and let calls be answered from what is known so far."""
+        if meanwhile.preparation is not self._known.preparation:
+            self.look_at_files()  # nothing that was half-written when read is answered from
         with self._changed:
-            if not self._pending and self._current.phase is Phase.PLANNING:
-                self._current = replace(self._current, message=f'planning {done} of {beliefs}')
+            is_retry = self._known.number == work.number and (
+                self._known.phase is not Phase.PLANNING
+            )
+            if is_retry or not self._same_files(work):
+                return
+            self._known = replace(meanwhile, number=work.number)
+            if self._pending:
+                self._make_way()
+            else:
+                self._current = self._known
+
+    def _same_files(self, work: _Work) -> bool:
+        """Whether no file was edited since the work began."""
+        newest = self._newest
+        return newest is not None and newest.files_revision == work.inputs.files_revision
 
     def _conclude(self, work: _Work, outcome: Readiness, took: float) -> bool:
         """Make known what came of work that took so many seconds; say whether it is news."""
         believed = self._is_believed(outcome)
-        self.look_at_files()  # nothing that was half-written when read is answered from
+        self.look_at_files()
         with self._changed:
-            if self._closed or self._newest is None:
-                return False
-            same_files = self._newest.files_revision == work.inputs.files_revision
-            self._came_to_nothing = not (believed and same_files)
-            if self._came_to_nothing:
+            self._was_stopped = not (believed and self._same_files(work))
+            if self._closed or self._was_stopped:
                 return False
             is_news = self._pending or not outcome.is_no_better_than(self._current)
             if not is_news:
                 outcome = self._current
             elif not self._pending:
                 self._current = outcome
-            self._finished = outcome
+            self._known = outcome
             self._retries = self._retries.after_failure(took) if outcome.may_pass else Retries()
             self._retrying = False
             self._changed.notify_all()

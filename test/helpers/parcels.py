@@ -4,7 +4,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from mirror_explainer.explainer import explain, prepare, robot_plan
+from mirror_explainer.explainer import explain, robot_plan
+from mirror_explainer.listener.preparation import prepare, refine
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
@@ -76,4 +77,5 @@ def right_answers(user_model: Path) -> RightAnswers:
 def _answer(number: int, user_model: Path, planner: Planner) -> str:
     task = read_task(DOMAIN, problem(number))
     listener = read_user_model(user_model, task)
-    return explain(prepare(task, robot_plan(task, plan(number)), listener, planner)).text
+    unplanned = prepare(task, robot_plan(task, plan(number)), listener)
+    return explain(refine(unplanned, planner)).spoken

@@ -29,9 +29,7 @@ DOMAIN = (CONFIG / 'domain.pddl').read_text()
 PROBLEM = (CONFIG / 'problem.pddl').read_text()
 PLAN = (CONFIG / 'plan.txt').read_text()
 USER_MODEL = str(CONFIG / 'user_model.yaml')
-THREE_SENTENCES = (
-    'I will grab a blue cube.\nI will grab a red circle.\nI will exit from the bottom door.'
-)
+THREE_SENTENCES = 'I will grab a blue cube and a red circle.\nI will exit from the bottom door.'
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)

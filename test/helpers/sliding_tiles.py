@@ -35,7 +35,14 @@ ONE_MOVE_FURTHER = {CELLS[0]: 't1'} | {c: t for c, t in ORDERED.items() if t != 
 USER_MODEL = f"""goals:
   - {{name: in order, goal: "(and {_ats(ORDERED)})"}}
   - {{name: one move further, goal: "(and {_ats(ONE_MOVE_FURTHER)})"}}
+sentences: {{slide: "I will slide {{t}} from {{from}} to {{to}}."}}
 """
+
+
+def sentences(plan: str) -> list[str]:
+    """Return what is said of each move of a plan."""
+    moves = (line.strip('()').split() for line in plan.split('\n'))
+    return [f'I will slide {tile} from {start} to {end}.' for _, tile, start, end in moves]
 
 
 def scrambled(moves: int, seed: int = 0) -> tuple[str, str]:

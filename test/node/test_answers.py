@@ -3,32 +3,39 @@
 import gc
 import threading
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from patience import PATIENCE
 
-from mirror_explainer.explainer import Explanation, Preparation, Seconds
-from mirror_explainer.listener.mirror_model import mirror_model
-from mirror_explainer.listener.prior import Prior
-from mirror_explainer.listener.sentences import Sentences
-from mirror_explainer.listener.user_model import CandidateGoal
+from mirror_explainer.explainer import Explanation, robot_plan
+from mirror_explainer.listener.preparation import Preparation, prepare
+from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node import answers as module
 from mirror_explainer.node.answers import Answers
-from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Status
+from mirror_explainer.pddl import read_task
 from mirror_explainer.settings import Question
 
 ONE = Question(n=1)
-GOALS = (CandidateGoal('fetch', '(fetched)', 0.5), CandidateGoal('leave', '(left)', 0.5))
-SPACE = BeliefSpace('', '', tuple(goal.goal for goal in GOALS))
+DOMAIN = """(define (domain chores) (:requirements :typing) (:types chore)
+  (:predicates (done ?c - chore))
+  (:action do :parameters (?c - chore) :precondition () :effect (done ?c)))
+"""
 
 
-def preparation(robot_goal: int, *actions: str) -> Preparation:
-    """Return a robot with this goal and plan; with the other goal it would dance."""
-    own, other = Plan(actions, len(actions)), Plan(('(dance)',), 1)
-    plans = [own, other] if robot_goal == 0 else [other, own]
-    prior = Prior(SPACE, GOALS, (Belief(0), Belief(1)), (0.5, 0.5), robot_goal, ())
-    results = [BeliefPlans(Status.SOLVED, (plan,)) for plan in plans]
-    return Preparation(mirror_model(prior, results, own, Sentences({}), 1.0), Seconds(), 0)
+def preparation(folder: Path, goal: str, plan: str) -> Preparation:
+    """Return a robot that does the chores of a plan, one letter each, as far as its goal's."""
+    done = ''.join(f'(done {chore})' for chore in goal if chore not in plan)
+    goals = f'(and {" ".join(f"(done {chore})" for chore in goal)})'
+    task = read_task(
+        DOMAIN,
+        f'(define (problem p) (:domain chores) (:objects {" ".join(goal)} - chore)'
+        f'(:init {done}) (:goal {goals}))',
+    )
+    user_model = folder / 'user_model.yaml'
+    user_model.write_text(f'goals: [{{goal: "{goals}"}}]\nsentences: {{do: "I will do {{c}}."}}')
+    steps = '\n'.join(f'(do {chore})' for chore in plan)
+    return prepare(task, robot_plan(task, steps), read_user_model(user_model, task))
 
 
 class Listener:
@@ -49,56 +56,77 @@ def listener() -> Listener:
     return Listener()
 
 
-def test_asking_again_tells_what_was_not_said_also_of_what_is_left_of_the_plan(listener) -> None:
-    ask = listener.update(1, preparation(0, '(go)', '(grab)', '(return)'))
+@pytest.fixture
+def chores(tmp_path: Path) -> Callable[..., Preparation]:
+    """Return what makes a robot of a goal and a plan; without a plan it does all in order."""
+    return lambda goal, plan='': preparation(tmp_path, goal, plan or goal)
+
+
+# All chores tell as much as each other, and of such the later ones are said.
+
+
+def test_asking_again_tells_what_was_not_said_also_of_what_is_left_of_the_plan(
+    listener, chores
+) -> None:
+    ask = listener.update(1, chores('abc'))
     first = [ask(), ask()]
-    ask = listener.update(2, preparation(0, '(grab)', '(return)'))
+    second = listener.update(2, chores('abc', 'ac'))()
+    third = listener.update(3, chores('abc', 'a'))()
 
-    assert first == ['I will go.', 'I will grab.']
-    assert [ask(), ask()] == ['I will return.', 'You have heard every step of my plan.']
+    assert first == ['I will do c.', 'I will do b.']
+    assert [second, third] == ['I will do a.', 'You have heard all that I am up to.']
 
 
-def test_what_was_said_is_forgotten_with_the_goal_it_was_about(listener) -> None:
-    listener.update(1, preparation(0, '(go)', '(grab)'))()
-    ask = listener.update(2, preparation(1, '(go)', '(exit)'))
+def test_what_was_said_is_forgotten_with_the_goal_it_was_about(listener, chores) -> None:
+    listener.update(1, chores('ab'))()
+    ask = listener.update(2, chores('cb'))
 
-    assert ask() == 'I will go.'
+    assert ask() == 'I will do b.'
 
 
 def test_what_was_said_of_steps_that_are_done_is_not_taken_for_said_when_they_come_again(
-    listener,
+    listener, chores
 ) -> None:
-    listener.update(1, preparation(0, '(go)', '(grab)'))()
-    listener.update(2, preparation(0, '(grab)'))
-    ask = listener.update(3, preparation(0, '(go)', '(grab)'))
+    listener.update(1, chores('ab', 'ba'))()
+    listener.update(2, chores('ab', 'b'))
+    ask = listener.update(3, chores('ab', 'ba'))
 
-    assert ask() == 'I will go.'
+    assert ask() == 'I will do a.'
 
 
-def test_a_call_that_comes_before_the_answer_is_made_loses_nothing(listener) -> None:
-    robot = preparation(0, '(go)', '(grab)')
+def test_what_planning_adds_to_an_update_takes_nothing_of_what_was_said_away(
+    listener, chores
+) -> None:
+    robot = chores('ab')
+    first = listener.update(1, robot)()
+    refined = listener.update(1, chores('ab'))
+
+    assert [first, refined()] == ['I will do b.', 'I will do a.']
+
+
+def test_a_call_that_comes_before_the_answer_is_made_loses_nothing(listener, chores) -> None:
+    robot = chores('ab')
     first = listener.answers.give(robot, 1, ONE, remember=True)
     ask = listener.update(1, robot)
 
-    assert [first, ask()] == ['I will go.', 'I will grab.']
+    assert [first, ask()] == ['I will do b.', 'I will do a.']
 
 
-def test_an_older_answer_is_not_published_after_a_newer_one(listener) -> None:
-    older = listener.update(1, preparation(0, '(go)', '(grab)'))
-    newer = listener.update(2, preparation(1, '(run)', '(exit)'))
+def test_an_older_answer_is_not_published_after_a_newer_one(listener, chores) -> None:
+    older = listener.update(1, chores('ab'))
+    newer = listener.update(2, chores('cd'))
 
-    assert newer() == 'I will run.'
-    assert older() == 'I will go.'
-    assert listener.heard == ['I will run.']
+    assert newer() == 'I will do d.'
+    assert older() == 'I will do b.'
+    assert listener.heard == ['I will do d.']
 
 
-def test_many_answers_after_what_was_said_take_no_more_memory_than_a_few(listener) -> None:
-    robot = preparation(0, *(f'(go room{i})' for i in range(60)))
-    ask = listener.update(1, robot)
+def test_many_answers_after_what_was_said_take_no_more_memory_than_a_few(listener, chores) -> None:
+    ask = listener.update(1, chores('abcdefghijklmnopqrstuvwxyz'))
 
     sizes = []
     for _ in range(3):
-        for _ in range(20):
+        for _ in range(10):
             ask()
         gc.collect()
         sizes.append(sum(type(thing) is Explanation for thing in gc.get_objects()))
@@ -106,9 +134,9 @@ def test_many_answers_after_what_was_said_take_no_more_memory_than_a_few(listene
     assert sizes[0] == sizes[1] == sizes[2]
 
 
-def test_a_call_waits_for_its_turn_only_so_long(monkeypatch, listener) -> None:
+def test_a_call_waits_for_its_turn_only_so_long(monkeypatch, listener, chores) -> None:
     monkeypatch.setattr(module, 'TURN_SECONDS', 0.01)
-    robot = preparation(0, '(go)', '(grab)')
+    robot = chores('ab')
     ask = listener.update(1, robot)
     begun, goes_on = threading.Event(), threading.Event()
 
@@ -125,11 +153,11 @@ def test_a_call_waits_for_its_turn_only_so_long(monkeypatch, listener) -> None:
     other.join()
 
     assert heard is None
-    assert ask() == 'I will grab.'
+    assert ask() == 'I will do a.'
 
 
-def test_nobody_is_answered_after_the_end(listener) -> None:
-    ask = listener.update(1, preparation(0, '(go)'))
+def test_nobody_is_answered_after_the_end(listener, chores) -> None:
+    ask = listener.update(1, chores('a'))
     listener.answers.close()
 
     assert ask() is None

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from conftest import WAREHOUSE
 
-from mirror_explainer.explainer import Explanation, Preparation, explain, prepare, robot_plan
+from mirror_explainer.explainer import Explanation, explain, robot_plan
+from mirror_explainer.listener.preparation import Preparation, prepare, refine
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.diagnostics import Diagnosis, Level, diagnose
 from mirror_explainer.node.history import History, news
@@ -23,6 +24,7 @@ from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Surroundings, look_around, package_version
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
+from mirror_explainer.settings import PlanningSettings
 
 WAITING = Readiness(
     Phase.WAITING,
@@ -44,7 +46,8 @@ def planner() -> Iterator[Planner]:
 def prepared(task: Task, warehouse: Path, planner: Planner, max_beliefs: int) -> Preparation:
     plan = robot_plan(task, (warehouse / 'plan.txt').read_text())
     user_model = read_user_model(warehouse / 'user_model.yaml', task)
-    return prepare(task, plan, user_model, planner, max_beliefs=max_beliefs)
+    settings = PlanningSettings(max_beliefs=max_beliefs)
+    return refine(prepare(task, plan, user_model, settings), planner)
 
 
 @pytest.fixture(scope='module')
@@ -290,10 +293,10 @@ def test_an_error_is_logged_with_its_cure() -> None:
 
 def test_a_warning_that_stays_is_logged_once(ready: Readiness) -> None:
     assert ready.preparation is not None
-    model = replace(ready.preparation.model, warnings=('one',))
-    warned = replace(ready, preparation=replace(ready.preparation, model=model))
-    model = replace(ready.preparation.model, warnings=('one', 'two'))
-    twice = replace(ready, preparation=replace(ready.preparation, model=model))
+    warned, twice = (
+        replace(ready, preparation=replace(ready.preparation, warnings=warnings))
+        for warnings in (('one',), ('one', 'two'))
+    )
 
     assert (logging.WARNING, 'one') in news(ready, warned)
     assert logging.WARNING not in levels(warned, warned)

@@ -19,8 +19,8 @@ MODEL = Path(USER_MODEL).read_text()
 SENTENCES = MODEL[MODEL.index('\nsentences:') :]
 OPERATORS_GOAL = '(holding red_circle),(holding blue_cube),(outside bottom_door)\n'
 OTHER_DOOR = '(holding red_circle),(holding blue_cube),(outside top_left_door)\n'
-# Only the bottom door lies behind the right corridor, so that either step tells the door.
-TELLS_THE_DOOR = 'I will navigate to the right corridor.'
+# What tells the two candidates apart.
+TELLS_THE_DOOR = 'I will exit from the bottom door.'
 OTHER_CIRCLE = '(holding red_triangle),(holding blue_cube),(outside bottom_door)\n'
 
 

@@ -21,9 +21,7 @@ DOMAIN, PROBLEM, PLAN = (
     (WAREHOUSE / name).read_text() for name in ('domain.pddl', 'problem.pddl', 'plan.txt')
 )
 USER_MODEL = str(WAREHOUSE / 'user_model.yaml')
-THREE_SENTENCES = (
-    'I will grab a blue cube.\nI will grab a red circle.\nI will exit from the bottom door.'
-)
+THREE_SENTENCES = 'I will grab a blue cube and a red circle.\nI will exit from the bottom door.'
 
 
 class Operator:
@@ -136,7 +134,8 @@ def test_each_answer_is_published_with_its_report(served) -> None:
     text, report = served.published[-1]
 
     assert text == answer
-    assert json.loads(report)['sentences'] == answer.split('\n')
+    assert json.loads(report)['spoken'] == answer
+    assert len(json.loads(report)['sentences']) == 3
     assert 'hypotheses' not in json.loads(report)
 
 
@@ -164,13 +163,14 @@ def test_limits_that_are_lowered_hold_for_what_was_read_before_too(served) -> No
 
 def test_with_remember_asking_again_tells_more_until_it_is_forgotten(served) -> None:
     served.set(remember=True, n=2)
-    first = served.answer().split('\n')
-    second = served.answer().split('\n')
+    first, second, third = served.answer(), served.answer(), served.answer()
     forgotten = served.explainer.forget()
 
-    assert not set(first) & set(second)
-    assert forgotten == 4
-    assert served.answer().split('\n') == first
+    assert first == 'I will grab a blue cube and a red circle.'
+    assert second == 'I will exit from the bottom door.'
+    assert third == 'There is nothing more that you need to know.'
+    assert forgotten == 3
+    assert served.answer() == first
 
 
 BAD_INPUTS = {
@@ -258,7 +258,7 @@ def publish_tiles(robot: Operator, moves: int) -> list[str]:
     """Publish a puzzle; return the sentences of its plan."""
     problem, plan = sliding_tiles.scrambled(moves)
     robot.publish(problem=problem, plan=plan)
-    return [f'I will {step.strip("()")}.' for step in plan.split('\n')]
+    return sliding_tiles.sentences(plan)
 
 
 def test_a_call_that_waits_is_answered_about_the_newest_plan(puzzled) -> None:
@@ -275,15 +275,50 @@ def test_a_call_that_waits_is_answered_about_the_newest_plan(puzzled) -> None:
     assert set(heard[0].split('\n')) <= set(sentences)
 
 
-def test_more_calls_than_may_wait_are_told_so_at_once(monkeypatch, puzzled) -> None:
+def test_where_planning_takes_longer_than_calls_wait_they_are_answered_from_what_is_known(
+    puzzled,
+) -> None:
+    puzzled.set(answer_timeout=0.0)
+    sentences = publish_tiles(puzzled, moves=200)
+    reply = eventually(lambda: (found := puzzled.explainer.ask()).success and found, 'an answer')
+    report = json.loads(puzzled.published[-1][1])
+    diagnosis = puzzled.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+
+    assert set(reply.message.split('\n')) <= set(sentences)
+    assert not report['complete']
+    assert report['planned'] < 1.0
+    assert (diagnosis.values['state'], diagnosis.message) == ('planning', 'planning 0 of 2')
+    assert float(diagnosis.values['planned']) == pytest.approx(report['planned'])
+    assert 'hypotheses' not in diagnosis.values
+
+
+def test_what_planning_finds_is_published_by_the_next_call_and_not_by_itself(served) -> None:
+    served.set(answer_timeout=0.0)
+    served.publish(plan=PLAN + '; another text')
+    eventually(lambda: served.explainer.ask().success, 'the first answer')
+    eventually(
+        lambda: served.explainer.diagnose({'problem': 1, 'plan': 1}, 0).message == 'ready',
+        'the end of the planning',
+    )
+    before = len(served.published)
+    answer = served.answer()
+
+    assert before >= 1
+    assert len(served.published) == before + 1
+    assert answer == THREE_SENTENCES
+    assert json.loads(served.published[-1][1])['complete']
+
+
+def test_more_calls_than_may_wait_are_answered_at_once(puzzled) -> None:
+    sentences = publish_tiles(puzzled, moves=200)
     puzzled.explainer._waiting = threading.Semaphore(1)
-    publish_tiles(puzzled, moves=200)
     waiting = threading.Thread(target=puzzled.explainer.ask)
     waiting.start()
-    refusal = eventually(
-        lambda: puzzled.explainer.ask().message if waiting.is_alive() else '', 'a reply'
-    )
+    eventually(lambda: not puzzled.explainer._waiting._value, 'the call that waits')
+    reply = eventually(lambda: (found := puzzled.explainer.ask()).success and found, 'an answer')
+    still_waiting = waiting.is_alive()
     puzzled.explainer.close()
     waiting.join(PATIENCE)
 
-    assert 'calls wait for it, as many as may' in refusal
+    assert still_waiting
+    assert set(reply.message.split('\n')) <= set(sentences)

@@ -39,7 +39,10 @@ class PlayedMaker:
     def forget_files(self) -> None:
         self.files = TextFiles()
 
-    def make(self, inputs: Inputs, stop: StopRequest, progress: object) -> Readiness:
+    def make(
+        self, inputs: Inputs, stop: StopRequest, tell: Callable[[Readiness], None]
+    ) -> Readiness:
+        self.tell = tell
         self.made.append(inputs)
         return replace(self._make(inputs, stop), inputs=inputs)
 
@@ -179,39 +182,99 @@ def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
     assert robot.told[0].inputs.plan.text == 'new'
 
 
-def test_after_work_that_came_to_nothing_the_next_may_go_on_for_as_long_as_calls_wait(
+def planning(preparation: str, inputs: Inputs) -> Readiness:
+    """Return what is told while planning goes on."""
+    return Readiness(Phase.PLANNING, 'planning 1 of 2', preparation, inputs)
+
+
+def test_a_call_that_waited_in_vain_gets_what_is_known_by_then(played):
+    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
+        robot.maker.tell(planning('a first answer', inputs))
+        return until_stopped(inputs, stop)
+
+    robot = played(work)
+    robot.submit('plan')
+    robot.wait_for_work()
+    heard = eventually(
+        lambda: (found := robot.updates.wait(0.01)).preparation and found, 'an answer'
+    )
+
+    assert heard.preparation == 'a first answer'
+    assert heard.inputs.plan.text == 'plan'
+    assert robot.told == []
+
+
+def test_what_is_known_about_older_inputs_is_not_for_calls_that_come_after_newer_ones(played):
+    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
+        if inputs.plan.text == 'old':
+            robot.maker.tell(planning('the old answer', inputs))
+            goes_on.wait(PATIENCE)
+        return until_stopped(inputs, stop)
+
+    goes_on = threading.Event()
+    robot = played(work)
+    robot.submit('old')
+    eventually(lambda: robot.updates.wait(0.01).preparation, 'the old answer')
+    robot.submit('new')
+    heard = robot.updates.wait(0.01)
+    goes_on.set()
+
+    assert heard.preparation is None
+    assert heard.message == 'reading the newest inputs'
+
+
+def test_after_work_that_was_stopped_texts_are_read_and_planned_for_half_as_long_as_calls_wait(
     monkeypatch, played
 ):
     asked: list[float] = []
     monkeypatch.setattr(StopRequest, 'after', lambda stop, seconds: asked.append(seconds))
-    goes_on = threading.Event()
-    comes_to_nothing = [True, False]
+    goes_on = threading.Semaphore(0)
 
     def work(inputs: Inputs, stop: StopRequest) -> Readiness:
-        goes_on.wait(PATIENCE)
-        goes_on.clear()
-        if comes_to_nothing.pop(0):
-            raise Cancelled
+        for _ in 'read', 'planned':
+            goes_on.acquire(timeout=PATIENCE)
+            if inputs.plan.text == 'first':
+                raise Cancelled
+            robot.maker.tell(planning(inputs.plan.text, inputs))
         return READY
 
     robot = played(work)
     robot.submit('first')
     robot.wait_for_work()
-    robot.submit('second')
-    goes_on.set()
+    robot.submit('second')  # while the first is read: at once
+    goes_on.release()
     eventually(lambda: len(robot.maker.made) == 2, 'the second work')
-    robot.submit('third')
-    comes_to_nothing.append(False)
-    goes_on.set()
-    eventually(lambda: len(robot.maker.made) == 3, 'the third work')
-    robot.submit('fourth')
-    comes_to_nothing.append(False)
-    goes_on.set()
-    eventually(lambda: len(robot.maker.made) == 4, 'the fourth work')
+    robot.submit('third')  # while the second is read: not before it is
+    assert asked == [0.0, 0.0]
+    goes_on.release()
+    eventually(lambda: len(asked) == 3, 'that the second is to stop')
+    robot.submit('fourth')  # while the second is planned for
+    assert asked[2:] == [2.5, 2.5]  # calls wait for 5 s
+    goes_on.release()
+    eventually(lambda: len(robot.maker.made) == 3, 'the next work')
+    robot.submit('fifth')  # the second was done, so at once again
+    assert asked[-1] == 0.0
+    goes_on.release(10)
+
+
+def test_another_attempt_takes_no_answer_away_while_it_goes_on(monkeypatch, played):
+    monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 0.01)
+    goes_on = threading.Event()
+
+    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
+        robot.maker.tell(planning('a first answer', inputs))
+        if len(robot.maker.made) > 1:
+            goes_on.wait(PATIENCE)
+        return Readiness(Phase.READY, 'ready', SimpleNamespace(failed_beliefs=1), may_pass=True)
+
+    robot = played(work)
+    robot.submit('plan')
+    eventually(lambda: len(robot.maker.made) == 2, 'another attempt')
+    heard = robot.updates.wait(PATIENCE)
     goes_on.set()
 
-    # The first submission finds no work; the second comes during the first work, and so on.
-    assert asked[1:4] == [0.0, 5.0, 0.0]
+    assert heard.phase is Phase.READY
+    assert heard.preparation.failed_beliefs == 1
 
 
 def test_a_file_is_read_once_it_has_been_left_alone(monkeypatch, played, tmp_path: Path):
