@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from mirror_explainer.listener.english import word_set
 from mirror_explainer.listener.roles import words_in
 from mirror_explainer.pddl import Task
-from mirror_explainer.pddl.text.sections import without_comments
 
 _PEOPLE = word_set('person people human patient passenger customer guest user')
 # Kinds of things that have names of their own.
@@ -74,17 +73,13 @@ def object_names(task: Task) -> dict[str, Name]:
     """Return the names of the task's objects, by the object in lower case."""
     objects = [(item.name.lower(), item.type) for item in task.model.all_objects]
     kinds = {kind: _types(kind) for kind in {kind for _, kind in objects}}
-    texts = without_comments(task.domain), without_comments(task.problem)
-    declared = re.compile(r':(?:objects|constants)\b(.*?)(?:\(\s*:|$)', re.IGNORECASE | re.DOTALL)
-    listed = [part for text in texts for part in declared.findall(text)]
-    spelt = _spelt(re.findall(r'[^\s()]+', ' '.join(listed)), [name for name, _ in objects])
+    spelt = _spelt(task.written_objects.values(), [name for name, _ in objects])
     return {name: Name(_words(spelt[name]), kinds[kind]) for name, kind in objects}
 
 
 def action_names(task: Task) -> dict[str, str]:
     """Return the names of the domain's actions as they are written, by those in lower case."""
-    written = re.findall(r'action\s+([^\s()]+)', without_comments(task.domain), re.IGNORECASE)
-    return _spelt(written, [action.name for action in task.model.actions])
+    return _spelt(task.written_actions.values(), [action.name for action in task.model.actions])
 
 
 def _spelt(written: Iterable[str], names: Collection[str]) -> dict[str, str]:

@@ -10,7 +10,7 @@ from fractions import Fraction
 import unified_planning.model as up
 
 from mirror_explainer.pddl.atoms import conjuncts, effects_in, words_of
-from mirror_explainer.pddl.durative.durative import as_literal
+from mirror_explainer.pddl.durative.overlap import as_literal
 from mirror_explainer.pddl.happenings import GroundStep, Happening
 from mirror_explainer.pddl.states import Binding, ConflictError, Evaluator, State
 

@@ -5,8 +5,8 @@ unified-planning's problem, in which plans are checked, and the texts that plann
 Like unified-planning, this must be used from one thread at a time.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import unified_planning.model as up
@@ -16,8 +16,8 @@ from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text, conjuncts
 from mirror_explainer.pddl.derived.axioms import Axioms, read_axioms
+from mirror_explainer.pddl.durative.at_once import at_once
 from mirror_explainer.pddl.durative.overlap import may_need_overlap
-from mirror_explainer.pddl.durative.sequential import sequential_texts
 from mirror_explainer.pddl.expressions import Expressions, nested_words
 from mirror_explainer.pddl.model import build_model
 from mirror_explainer.pddl.numbers.arithmetic import numbers_of
@@ -25,13 +25,13 @@ from mirror_explainer.pddl.numbers.costs import with_costs
 from mirror_explainer.pddl.numbers.plannable import (
     unsteady,
     with_fixed_durations,
-    with_single_effects,
     without_numbers,
 )
 from mirror_explainer.pddl.text.actions import Action, read_actions
 from mirror_explainer.pddl.text.declarations import Declarations, read_declarations
 from mirror_explainer.pddl.text.definition import Definition, read_definition, require_head
 from mirror_explainer.pddl.text.left_out import (
+    DERIVED_LATER,
     NUMBERS,
     OPEN_DURATIONS,
     UNSTEADY,
@@ -40,7 +40,6 @@ from mirror_explainer.pddl.text.left_out import (
 )
 from mirror_explainer.pddl.text.plain_types import with_actions, with_plain_types
 from mirror_explainer.pddl.text.size import require_few
-from mirror_explainer.pddl.text.texts import Texts
 from mirror_explainer.pddl.text.tree import as_text, parse
 
 
@@ -55,6 +54,8 @@ class Task:
 
     What planners for many beliefs cannot use is left out of the texts, `warnings` say
     what. If the task is `relaxed` by that, a belief without a plan may have one in truth.
+    Names are in lower case everywhere; `written_objects` and `written_actions` have them as
+    the texts do.
     """
 
     domain: str
@@ -66,6 +67,8 @@ class Task:
     axioms: Axioms | None = None
     warnings: tuple[str, ...] = ()
     relaxed: bool = False
+    written_objects: Mapping[str, str] = field(default_factory=dict, repr=False)
+    written_actions: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     @cached_property
     def may_need_overlap(self) -> bool:
@@ -128,6 +131,8 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     declared = read_declarations(domain, problem)
     domain, problem = without_extras(domain, problem, declared, left_out)
     actions = tuple(read_actions(domain, declared.types))
+    written_objects = dict(declared.written)
+    written_actions = {str(action.name): action.name.written for action in actions}
     domain, problem, declared, actions = with_plain_types(domain, problem, declared, actions)
     durative = any(action.durative for action in actions)
     durations = [action.parts.get(':duration') for action in actions]
@@ -147,30 +152,22 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
         ]
         timed = build_model(domain, problem, declared, lasting, stop)
     plannable = without_numbers(domain, problem, actions, numbers, left_out)
+    planned = tuple(
+        _at_once(action, declared, plannable.domain, left_out) for action in plannable.actions
+    )
     if durative:
-        singles = (with_single_effects(action, numbers, source) for action in plannable.actions)
-        plannable = replace(plannable, actions=tuple(singles))
-        domain, problem, actions = plannable.domain, plannable.problem, plannable.actions
+        domain, problem, actions = plannable.domain, plannable.problem, planned
         declared = read_declarations(domain, problem)
     model = build_model(domain, problem, declared, actions, stop)
-    texts, lines = _texts(plannable.domain, plannable.problem, plannable.actions)
-    try:
-        axioms = read_axioms(model, texts)
-        if durative:
-            texts = sequential_texts(model, axioms, texts)
-    except InputError as error:
-        line = lines[error.source][error.line - 1] if error.line else None
-        raise InputError(error.source, error.reason, line, cure=error.cure) from error
-    if durative:
-        model, axioms = _read_again(texts, stop)
+    axioms = read_axioms(model, plannable.domain, plannable.problem)
     goal = plannable.problem.contents(':goal')[0]
     _split_goals(model)
     goals = tuple(model.goals)
     if NUMBERS in left_out.places:
         goals = tuple(conjuncts(Expressions(model).expression(goal, {})))
     return Task(
-        texts.domain,
-        texts.problem,
+        with_actions(plannable.domain, planned).text(),
+        plannable.problem.text(),
         model,
         as_text(goal),
         goals,
@@ -178,6 +175,8 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
         axioms,
         left_out.warnings(),
         left_out.relaxed,
+        written_objects,
+        written_actions,
     )
 
 
@@ -191,24 +190,16 @@ def _fixed(action: Action, source: str, left_out: LeftOut) -> Action:
     return fixed
 
 
-def _texts(
-    domain: Definition, problem: Definition, actions: tuple[Action, ...]
-) -> tuple[Texts, dict[str, list[int]]]:
-    """Return the texts of a task, and for each source what lines the texts' came from."""
-    domain_text, domain_lines = with_actions(domain, actions).text()
-    problem_text, problem_lines = problem.text()
-    texts = Texts(domain_text, problem_text, domain.source, problem.source)
-    return texts, {domain.source: domain_lines, problem.source: problem_lines}
-
-
-def _read_again(texts: Texts, stop: Callable[[], None] | None) -> tuple[up.Problem, Axioms | None]:
-    """Return the model of texts that were made here."""
-    domain = read_definition(texts.domain, 'domain', texts.domain_source)
-    problem = read_definition(texts.problem, 'problem', texts.problem_source)
-    declared: Declarations = read_declarations(domain, problem)
-    actions = read_actions(domain, declared.types)
-    model = build_model(domain, problem, declared, actions, stop)
-    return model, read_axioms(model, texts)
+def _at_once(
+    action: Action, declared: Declarations, domain: Definition, left_out: LeftOut
+) -> Action:
+    """Return an action that takes no time."""
+    if not action.durative:
+        return action
+    made, lost = at_once(action, declared, domain.all(':derived'), domain.source)
+    if lost is not None:
+        left_out.note(DERIVED_LATER, domain.source, lost)
+    return made
 
 
 def _split_goals(model: up.Problem) -> None:

@@ -40,7 +40,7 @@ PROBLEM = """
 def test_a_variable_of_several_types_ranges_over_the_objects_of_all() -> None:
     task = read_task(DOMAIN, PROBLEM)
 
-    both = robot_plan(task, '(look-at c yard)\n(look-at s depot)').cost
+    both = robot_plan(task, '(look-at c yard)\n(look-at s depot)').plan.cost
 
     assert both == 7.0
     with pytest.raises(InputError, match=r'step 1 of 1: \(is-parcel-or-shelf t\) does not hold'):
@@ -72,7 +72,10 @@ def test_an_object_may_have_two_types() -> None:
 
     task = read_task(DOMAIN, problem.replace('(at t yard)', '(at t yard) (at c yard)'))
 
-    assert robot_plan(task, '(drive c yard depot)\n(look-at c depot)\n(look-at s depot)').cost == 8
+    assert (
+        robot_plan(task, '(drive c yard depot)\n(look-at c depot)\n(look-at s depot)').plan.cost
+        == 8
+    )
     with pytest.raises(InputError, match=r'\(is-vehicle s\) does not hold'):
         robot_plan(task, '(drive s depot yard)')
 
@@ -99,7 +102,7 @@ FERRY = """
 def test_a_type_may_have_two_supertypes() -> None:
     task = read_task(TWO_ABOVE, FERRY)
 
-    assert robot_plan(task, '(swim a q r)\n(park a r)\n(rinse)').cost == 3
+    assert robot_plan(task, '(swim a q r)\n(park a r)\n(rinse)').plan.cost == 3
     with pytest.raises(InputError, match=r'step 1 of 1: \(is-ship c\) does not hold'):
         robot_plan(task, '(swim c q r)')
     with pytest.raises(InputError, match='does not reach the goal'):

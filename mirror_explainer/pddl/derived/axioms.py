@@ -1,12 +1,11 @@
 """Derived predicates: what holds in a state because other facts do.
 
-unified-planning has none. For its reader the axioms, (:derived …), are taken out
-of the domain, and what they define are plain predicates; here the axioms become
-rules of Datalog, by which every state has its derived facts.
+unified-planning has none: in its model, what the axioms, (:derived …), define are plain
+predicates. Here the axioms become rules of Datalog, by which every state has its
+derived facts.
 """
 
-import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,32 +15,9 @@ from mirror_explainer.errors import InputError
 from mirror_explainer.pddl.atoms import effects_in
 from mirror_explainer.pddl.derived.axiom_rules import Axiom, AxiomRules, is_made_up
 from mirror_explainer.pddl.derived.datalog import Fact, Rule, UnstratifiedError, layers, reached
-from mirror_explainer.pddl.expressions import Expressions, nested_words
-from mirror_explainer.pddl.text.sections import (
-    blanked,
-    line_at,
-    line_of,
-    section,
-    sections,
-    without_comments,
-)
-from mirror_explainer.pddl.text.texts import Texts
-
-_DERIVED = ':derived'
-_REQUIREMENT = re.compile(r':(?:derived-predicates|domain-axioms)(?![\w-])', re.IGNORECASE)
-
-
-def without_axioms(domain: str) -> str:
-    """Return the domain with blanks for its axioms: its lines stay where they are."""
-    for part in sections(domain):
-        if part.keyword == _DERIVED:
-            domain = blanked(domain, part.start, part.end)
-    requirements = section(domain, ':requirements')
-    if requirements:
-        plain = without_comments(domain)
-        for found in _REQUIREMENT.finditer(plain, requirements.start, requirements.end):
-            domain = blanked(domain, found.start(), found.end(), ':strips')
-    return domain
+from mirror_explainer.pddl.expressions import Expressions
+from mirror_explainer.pddl.text.definition import Definition
+from mirror_explainer.pddl.text.tree import Branch, Tree
 
 
 @dataclass(frozen=True)
@@ -62,26 +38,23 @@ class Axioms:
         return reached(predicates, self.rules)
 
 
-def read_axioms(model: up.Problem, texts: Texts) -> Axioms | None:
+def read_axioms(model: up.Problem, domain: Definition, problem: Definition) -> Axioms | None:
     """Return the domain's axioms, None if it has none; `model` was read without them.
 
     Raises InputError that names what is wrong with them, and the line.
     """
-    domain, source = texts.domain, texts.domain_source
+    source = domain.source
     found = []
-    for part in sections(domain):
-        if part.keyword == _DERIVED:
-            text = without_comments(domain[part.start : part.end]).lower()
-            try:
-                found.append(_axiom(model, nested_words(text, source), source))
-            except InputError as error:
-                line = line_at(domain, part.start)
-                raise InputError(source, error.reason, line) from error
+    for part in domain.all(':derived'):
+        try:
+            found.append(_axiom(model, part, source))
+        except InputError as error:
+            raise InputError(source, error.reason, error.line or part.line) from error
     if not found:
         return None
     rules = AxiomRules(found)
     names = frozenset(axiom.fluent.name for axiom in found)
-    _require_derived_only(names, model, texts)
+    _require_derived_only(names, model, domain, problem)
     try:
         layers(rules.rules)
     except UnstratifiedError as error:
@@ -127,23 +100,30 @@ def _axiom(model: up.Problem, words: Any, source: str) -> Axiom:
     return Axiom(fluent, tuple(bound.values()), condition)
 
 
-def _require_derived_only(names: frozenset[str], model: up.Problem, texts: Texts) -> None:
+def _require_derived_only(
+    names: frozenset[str], model: up.Problem, domain: Definition, problem: Definition
+) -> None:
     """Raise InputError if an action, or the initial state, sets a derived fact."""
     for action in model.actions:
         for effect in effects_in(action):
             if effect.fluent.fluent().name in names:
-                own = rf'\(\s*:\S*action\s+{re.escape(action.name)}(?![\w-])'
                 raise InputError(
-                    texts.domain_source,
+                    domain.source,
                     f'"{effect.fluent.fluent().name}" is derived, but the action '
                     f'"{action.name}" changes it',
-                    line_of(own, texts.domain),
+                    _line_of(action.name, domain.all(':action', ':durative-action'), 1),
                 )
     for atom, value in model.explicit_initial_values.items():
         name = atom.fluent().name
         if value.is_true() and name in names:
             raise InputError(
-                texts.problem_source,
+                problem.source,
                 f'"{name}" is derived, so it cannot be among the initial facts',
-                line_of(rf'\(\s*{re.escape(name)}(?![\w-])', texts.problem),
+                _line_of(name, problem.contents(':init'), 0),
             )
+
+
+def _line_of(name: str, trees: Sequence[Tree], position: int) -> int | None:
+    """Return the line of the first tree that has a name at a position."""
+    named = (t for t in trees if isinstance(t, Branch) and t[position : position + 1] == [name])
+    return next((tree.line for tree in named), None)

@@ -8,9 +8,8 @@ its end (a match that burns), or itself waits for something that others do.
 
 import unified_planning.model as up
 
-from mirror_explainer.pddl.atoms import effects_in, fluents_in
+from mirror_explainer.pddl.atoms import conjuncts, effects_in, fluents_in
 from mirror_explainer.pddl.derived.axioms import Axioms
-from mirror_explainer.pddl.durative.durative import as_literal, effects_of, later_conditions
 
 # A fluent's name, and the truth value at issue; numbers, and what stands in more than a literal,
 # may matter both ways.
@@ -68,3 +67,28 @@ def _basis(fluents: set[up.Fluent], axioms: Axioms | None) -> frozenset[str]:
     """Return the names of fluents, with all that derived ones rest on."""
     names = {fluent.name for fluent in fluents}
     return axioms.basis(names) if axioms else frozenset(names)
+
+
+def as_literal(condition: up.FNode) -> tuple[up.FNode, bool] | None:
+    """Return a literal's atom and whether it must hold, None for other conditions."""
+    atom = condition.arg(0) if condition.is_not() else condition
+    return (atom, not condition.is_not()) if atom.is_fluent_exp() else None
+
+
+def effects_of(action: up.DurativeAction) -> tuple[list[up.Effect], list[up.Effect]]:
+    """Return the effects at the start and those at the end."""
+    return (
+        list(action.effects.get(up.StartTiming(), [])),
+        list(action.effects.get(up.EndTiming(), [])),
+    )
+
+
+def later_conditions(action: up.DurativeAction) -> list[up.FNode]:
+    """Return the conditions over all and at end."""
+    return [
+        part
+        for interval, conditions in action.conditions.items()
+        if interval.upper == up.EndTiming()
+        for condition in conditions
+        for part in conjuncts(condition)
+    ]

@@ -64,7 +64,10 @@ class Numbers:
         )
 
     def value(self, tree: Tree, binding: Binding) -> Fraction | None:
-        """Return what a number comes to initially, None where it has no value."""
+        """Return what a number comes to initially, None where it has no value.
+
+        Raises ZeroDivisionError.
+        """
         if isinstance(tree, Word):
             given = number(tree)
             return self.values.get((str(tree),)) if given is None else given
@@ -80,7 +83,10 @@ class Numbers:
 
     def holds(self, comparison: Branch, binding: Binding) -> bool:
         """Say whether a comparison holds initially; it does not where a number has no value."""
-        left, right = (self.value(side, binding) for side in comparison[1:])
+        try:
+            left, right = (self.value(side, binding) for side in comparison[1:])
+        except ZeroDivisionError:
+            return False
         if left is None or right is None:
             return False
         return bool(_COMPARE[comparison.head](left, right))
@@ -140,6 +146,4 @@ def _result(operator: str, values: list[Fraction]) -> Fraction | None:
         return math.prod(values, start=Fraction(1))
     if operator == '-':
         return -values[0] if len(values) == 1 else values[0] - sum(values[1:])
-    if any(value == 0 for value in values[1:]):
-        return None
     return values[0] / math.prod(values[1:], start=Fraction(1))

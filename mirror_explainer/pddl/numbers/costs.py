@@ -4,14 +4,16 @@ Planners for many beliefs know no other metric. Sums with factors and constants 
 that, where what each action adds to them is known from the start; any other is left out.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from mirror_explainer.errors import InputError
 from mirror_explainer.pddl.expressions import number
 from mirror_explainer.pddl.model import TOTAL_COST, duration_bounds
 from mirror_explainer.pddl.numbers.arithmetic import (
     CHANGES,
+    Binding,
     Numbers,
     TooManyError,
     decimal,
@@ -20,8 +22,8 @@ from mirror_explainer.pddl.numbers.arithmetic import (
 from mirror_explainer.pddl.text.actions import Action, Effect, effects
 from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
-from mirror_explainer.pddl.text.left_out import METRIC, LeftOut
-from mirror_explainer.pddl.text.tree import Branch, Tree, Word, made, word
+from mirror_explainer.pddl.text.left_out import CHANGING_DURATIONS, METRIC, LeftOut
+from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, made, word
 
 TOTAL_TIME = 'total-time'
 # Planners add up integers: larger ones are taken less finely.
@@ -29,6 +31,20 @@ _LARGEST = 1_000_000
 
 # A function of objects, or the total time: what the metric adds up, with its factor.
 _Terms = dict[tuple[str, ...], Fraction]
+# Effects on what the metric adds up, with their signs.
+_Parts = list[tuple[Effect, Fraction]]
+
+
+@dataclass(frozen=True)
+class _Table:
+    """What an action costs by the objects for some of its variables.
+
+    `function` is the one of the domain whose value that is, if there is one.
+    """
+
+    variables: Mapping[str, Kinds]
+    values: Mapping[tuple[str, ...], Fraction]
+    function: Tree | None = None
 
 
 class _NoSumError(Exception):
@@ -61,10 +77,15 @@ def with_costs(
         _without_total(problem.without(':metric'), ':init'),
         tuple(_without_changes(action, {TOTAL_COST}, domain.source) for action in actions),
     )
-    if metric is None:
-        return unpriced
     durative = any(action.durative for action in actions)
+    if metric is None and not durative:
+        return unpriced
     try:
+        if metric is None:
+            terms: _Terms = {(TOTAL_TIME,): Fraction(1)}
+            return _Pricing(unpriced.domain, unpriced.problem, numbers, terms, left_out).priced(
+                unpriced.actions
+            )
         if len(metric) != 3 or metric[1] not in ('minimize', 'maximize'):
             return Priced(domain, problem, tuple(actions))  # its reader says what is wrong
         terms = _terms(metric[2], Fraction(1 if metric[1] == 'minimize' else -1), numbers)
@@ -72,12 +93,10 @@ def with_costs(
             terms.pop((TOTAL_TIME,), None)
         if not terms:
             return unpriced
-        if terms.keys() == {(TOTAL_TIME,)} and terms[(TOTAL_TIME,)] > 0:
-            return unpriced  # durations are what durative actions cost, if nothing else is
         if terms == {(TOTAL_COST,): 1} and _is_plain(domain, actions, numbers):
             least = made(f'(:metric minimize ({TOTAL_COST}))', metric)
             return Priced(domain, problem.having(':metric', least), tuple(actions))
-        return _Pricing(domain, problem, numbers, terms).priced(actions)
+        return _Pricing(domain, problem, numbers, terms, left_out).priced(actions)
     except (_NoSumError, TooManyError):
         left_out.note(METRIC, problem.source, metric)
         return unpriced
@@ -149,29 +168,95 @@ class _Pricing:
     """Works out what each action adds to a metric."""
 
     def __init__(
-        self, domain: Definition, problem: Definition, numbers: Numbers, terms: _Terms
+        self,
+        domain: Definition,
+        problem: Definition,
+        numbers: Numbers,
+        terms: _Terms,
+        left_out: LeftOut,
     ) -> None:
         self._domain = domain
         self._problem = problem
         self._numbers = numbers
         self._terms = terms
+        self._left_out = left_out
         self._summed = {term[0] for term in terms}
-        self._tables: dict[str, tuple[dict[str, Kinds], dict[tuple[str, ...], Fraction]]] = {}
+        self._tables: dict[str, _Table] = {}
+        self._digits = 0
 
     def priced(self, actions: Sequence[Action]) -> Priced:
-        """Return the task with costs. Raises _NoSumError."""
-        costs = [self._cost(action) for action in actions]
+        """Return the task with costs. Raises _NoSumError, TooManyError and InputError."""
+        tables = [self._table(action) for action in actions]
+        most = max((v for table in tables for v in table.values.values()), default=Fraction(0))
+        self._digits = next((d for d in range(6, 0, -1) if most * 10**d <= _LARGEST), 0)
         kept = [
-            _with_cost(_without_changes(action, {TOTAL_COST}, self._domain.source), cost)
-            for action, cost in zip(actions, costs, strict=True)
+            _with_cost(
+                _without_changes(action, {TOTAL_COST}, self._domain.source),
+                self._cost(action, table),
+            )
+            for action, table in zip(actions, tables, strict=True)
         ]
         return Priced(self._with_functions(), self._with_values(), tuple(kept))
 
-    def _cost(self, action: Action) -> str:
+    def _cost(self, action: Action, table: '_Table') -> str:
         """Return the PDDL text of what an action costs, '' for nothing."""
-        source = self._domain.source
-        parts: list[tuple[Effect, Tree, Fraction]] = []
-        for effect in effects(action.parts.get(':effect'), source, action.durative):
+        values = set(table.values.values())
+        if not values:
+            return ''
+        if len(values) == 1 and (not table.variables or len(table.values) > 1):
+            value = next(iter(values))
+            return decimal(value, self._digits) if value else ''
+        if table.function and all(v * 10**self._digits % 1 == 0 for v in values):
+            return as_text(table.function)
+        name = f'cost-of-{action.name}'
+        while name in self._numbers.declared.functions or name in self._tables:
+            name += '-'
+        self._tables[name] = table
+        return f'({" ".join([name, *table.variables])})'
+
+    def _table(self, action: Action) -> '_Table':
+        """Return what an action costs for the objects that it depends on."""
+        parts = self._parts(action)
+        duration: Tree | None = None
+        if (TOTAL_TIME,) in self._terms and action.durative:
+            least, most = duration_bounds(action, self._domain.source)
+            duration = least if least is not None else most
+            assert duration is not None
+            if not self._numbers.is_static(duration):
+                self._left_out.note(CHANGING_DURATIONS, self._domain.source, duration)
+        trees = [duration] if duration is not None else []
+        trees += [tree for effect, _ in parts for tree in effect.change[1:]]
+        names = dict.fromkeys(name for tree in trees for name in used_variables(tree))
+        variables = {name: action.parameters[name] for name in names if name in action.parameters}
+        values: dict[tuple[str, ...], Fraction] = {}
+        for binding in self._numbers.bindings(variables):
+            added = [self._added(effect, factor, binding) for effect, factor in parts]
+            if duration is not None:
+                added.append(self._lasting(action, duration, binding))
+            known = [value for value in added if value is not None]
+            if sum(known) < 0:
+                raise _NoSumError
+            if len(known) == len(added):
+                values[tuple(binding.values())] = sum(known, Fraction(0))
+        return _Table(variables, values, self._function(parts, duration))
+
+    def _function(self, parts: _Parts, duration: Tree | None) -> Tree | None:
+        """Return the function whose value is all that an action adds, if there is one."""
+        if duration is not None:
+            alone, factor = not parts, self._terms[(TOTAL_TIME,)]
+        elif len(parts) == 1 and isinstance(parts[0][0].change[1], Branch):
+            (effect, sign), alone = parts[0], True
+            duration, target = effect.change[2], effect.change[1]
+            factor = sign * self._terms.get(tuple(map(str, target)), Fraction(0))
+        else:
+            return None
+        plain = isinstance(duration, Branch) and duration.head in self._numbers.declared.functions
+        return duration if alone and plain and factor == 1 else None
+
+    def _parts(self, action: Action) -> _Parts:
+        """Return the effects on what the metric adds up, with their signs."""
+        parts: _Parts = []
+        for effect in effects(action.parts.get(':effect'), self._domain.source, action.durative):
             if _changed(effect.change) in self._summed:
                 if (
                     effect.change.head not in ('increase', 'decrease')
@@ -180,71 +265,53 @@ class _Pricing:
                     or not self._numbers.is_static(effect.change[2])
                 ):
                     raise _NoSumError
-                sign = Fraction(1 if effect.change.head == 'increase' else -1)
-                parts.append((effect, effect.change[2], sign))
-        duration: Tree | None = None
-        if (TOTAL_TIME,) in self._terms and action.durative:
-            least, most = duration_bounds(action, source)
-            duration = least if least is not None else most
-            assert duration is not None
-            if not self._numbers.is_static(duration):
-                raise _NoSumError
-        trees = [duration] if duration is not None else []
-        trees += [tree for effect, _, _ in parts for tree in (effect.change[1], effect.change[2])]
-        names = dict.fromkeys(name for tree in trees for name in used_variables(tree))
-        variables = {name: action.parameters[name] for name in names if name in action.parameters}
-        values: dict[tuple[str, ...], Fraction] = {}
-        for binding in self._numbers.bindings(variables):
-            total = Fraction(0)
-            known = True
-            for effect, tree, sign in parts:
-                target = effect.change[1]
-                term = (target,) if isinstance(target, Word) else tuple(target)
-                factor = self._terms.get(tuple(binding.get(str(w), str(w)) for w in term))
-                value = self._numbers.value(tree, binding)
-                known = known and (value is not None or not factor)
-                total += sign * (factor or 0) * (value or 0)
-            if duration is not None:
-                time = self._numbers.value(duration, binding)
-                known = known and time is not None
-                total += self._terms[(TOTAL_TIME,)] * (time or 0)
-            if total < 0:
-                raise _NoSumError
-            if known:
-                values[tuple(binding.values())] = total
-        if len(set(values.values())) == 1 and (not variables or len(values) > 1):
-            value = next(iter(values.values()))
-            return decimal(value) if value else ''
-        if not values:
-            return ''
-        name = f'cost-of-{action.name}'
-        while name in self._numbers.declared.functions or name in self._tables:
-            name += '-'
-        self._tables[name] = (variables, values)
-        return f'({" ".join([name, *variables])})'
+                parts.append((effect, Fraction(1 if effect.change.head == 'increase' else -1)))
+        return parts
+
+    def _added(self, effect: Effect, sign: Fraction, binding: Binding) -> Fraction | None:
+        """Return what an effect adds to the metric, None where a number has no value."""
+        target, tree = effect.change[1:]
+        term = (target,) if isinstance(target, Word) else tuple(target)
+        factor = self._terms.get(tuple(binding.get(str(w), str(w)) for w in term))
+        if not factor:
+            return Fraction(0)
+        try:
+            value = self._numbers.value(tree, binding)
+        except ZeroDivisionError:
+            raise _NoSumError from None
+        return None if value is None else sign * factor * value
+
+    def _lasting(self, action: Action, duration: Tree, binding: Binding) -> Fraction | None:
+        """Return what the time that an action takes adds to the metric."""
+        fault = 'takes a time that divides by zero'
+        try:
+            time = self._numbers.value(duration, binding)
+            if time is None or time >= 0:
+                return None if time is None else self._terms[(TOTAL_TIME,)] * time
+            fault = 'takes a time below zero'
+        except ZeroDivisionError:
+            pass
+        named = f' (for {", ".join(binding.values())})' if binding else ''
+        raise InputError(self._domain.source, f'"{action.name}" {fault}{named}', duration.line)
 
     def _with_functions(self) -> Definition:
         """Return the domain with the functions that costs need."""
         place = self._domain.section(':functions') or Branch((), self._domain.line)
         contents = self._domain.contents(':functions')
-        if TOTAL_COST not in self._numbers.declared.functions:
+        if not any(isinstance(part, Branch) and part.head == TOTAL_COST for part in contents):
             contents = [*contents, made(f'({TOTAL_COST})', place)]
-        for name, (variables, _) in self._tables.items():
-            typed = [f'{v} - {kinds[0]}' for v, kinds in variables.items()]
+        for name, table in self._tables.items():
+            typed = [f'{v} - {kinds[0]}' for v, kinds in table.variables.items()]
             contents = [*contents, made(f'({" ".join([name, *typed])})', place)]
         return self._domain.with_contents(':functions', contents)
 
     def _with_values(self) -> Definition:
         """Return the problem with the values of costs, and their sum to be minimised."""
-        metric = self._problem.section(':metric')
-        assert metric is not None
-        most = max((v for _, values in self._tables.values() for v in values.values()), default=0)
-        digits = next((d for d in range(6, 0, -1) if most * 10**d <= _LARGEST), 0)
-        place = self._problem.section(':init') or metric
+        place = self._problem.section(':init') or Branch((), self._problem.line)
         new: list[Tree] = [
-            _equation([name, *objects], decimal(value, digits), place)
-            for name, (_, values) in self._tables.items()
-            for objects, value in values.items()
+            _equation([name, *objects], decimal(value, self._digits), place)
+            for name, table in self._tables.items()
+            for objects, value in table.values.items()
         ]
         old = [
             part
@@ -254,8 +321,8 @@ class _Pricing:
         problem = self._problem.with_contents(
             ':init', [*old, _equation([TOTAL_COST], '0', place), *new]
         )
-        least = made(f'(:metric minimize ({TOTAL_COST}))', metric)
-        return problem.having(':metric', least)
+        least = self._problem.section(':metric') or place
+        return problem.having(':metric', made(f'(:metric minimize ({TOTAL_COST}))', least))
 
 
 def _without_total(definition: Definition, keyword: str) -> Definition:

@@ -15,15 +15,20 @@ from mirror_explainer.pddl.numbers.arithmetic import (
     used_variables,
 )
 from mirror_explainer.pddl.numbers.costs import with_effects
-from mirror_explainer.pddl.text.actions import Action, Effect, effects, timed_conditions
-from mirror_explainer.pddl.text.declarations import Kinds, typed_names
+from mirror_explainer.pddl.text.actions import (
+    Action,
+    Effect,
+    effects,
+    timed_conditions,
+    variables_of,
+)
+from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
-from mirror_explainer.pddl.text.left_out import CHANGING_DURATIONS, NUMBERS, LeftOut
+from mirror_explainer.pddl.text.left_out import NUMBERS, LeftOut
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, has_word, made, word, words
 
 # A fact that stands for a condition on numbers, by its predicate.
 _FACT = 'numbers-fit'
-_MOST_EFFECTS = 1000
 
 
 @dataclass(frozen=True)
@@ -140,14 +145,11 @@ class _Folder:
     def _derived(self, section: Branch) -> Tree:
         head = section[1]
         assert isinstance(head, Branch)
-        variables = _variables(head[1:])
+        variables = variables_of(head[1:])
         return self._condition(section[2], variables, True, self._domain.source)
 
     def _action(self, action: Action) -> Action:
         source, environment = self._domain.source, dict(action.parameters)
-        duration = action.parts.get(':duration')
-        if duration is not None and not self._numbers.is_static(duration):
-            self._left_out.note(CHANGING_DURATIONS, source, duration)
         if action.durative and ':condition' in action.parts:
             place = action.parts[':condition']
             timed: list[Tree] = [word('and', place)]
@@ -173,7 +175,7 @@ class _Folder:
         """Return an effect without conditions on numbers, None if it is left out."""
         variables = dict(environment)
         for names in effect.variables:
-            variables |= _variables(names)
+            variables |= variables_of(names)
         if effect.change.head in CHANGES and len(effect.change) == 3:
             target = effect.change[1]
             name = target.head if isinstance(target, Branch) else str(target)
@@ -216,7 +218,7 @@ class _Folder:
                 return tree.like([word('and' if positive else 'or', tree)])
             return tree if self._only is not None else self._fact(tree, variables, source)
         if head in ('forall', 'exists') and len(tree) == 3 and isinstance(tree[1], Branch):
-            inner = {**variables, **_variables(tree[1])}
+            inner = {**variables, **variables_of(tree[1])}
             return tree.like([*tree[:2], self._condition(tree[2], inner, positive, source)])
         if head == 'not' and len(tree) == 2:
             return tree.like([tree[0], self._condition(tree[1], variables, not positive, source)])
@@ -266,11 +268,6 @@ class _Folder:
             ]
             self._names[key] = name
         return tree.like([word(text, tree) for text in (self._names[key], *used)])
-
-
-def _variables(parts: Sequence[Tree]) -> dict[str, Kinds]:
-    """Return the variables of "?a ?b - type"; the faults in it are found elsewhere."""
-    return {str(name): tuple(map(str, kinds)) for name, kinds in typed_names(parts, '')}
 
 
 def _renamed(tree: Tree, names: Mapping[str, str]) -> str:
@@ -339,39 +336,3 @@ def _timed(effect: Effect, duration: Tree) -> Effect:
     change = replaced(effect.change)
     assert isinstance(change, Branch)
     return replace(effect, change=change)
-
-
-def with_single_effects(action: Action, numbers: Numbers, source: str) -> Action:
-    """Return a durative action with an effect for each object instead of one for all of a type.
-
-    One that has too many of them stays as it is.
-    """
-    changes = [*effects(action.parts.get(':effect'), source, action.durative)]
-    if not action.durative or not any(change.variables for change in changes):
-        return action
-    single: list[Effect] = []
-    for change in changes:
-        variables: dict[str, Kinds] = {}
-        for names in change.variables:
-            variables |= _variables(names)
-        try:
-            bindings = [*numbers.bindings(variables)]
-        except TooManyError:
-            return action
-        if len(single) + len(bindings) > _MOST_EFFECTS:
-            return action
-        single += [_bound(change, binding) for binding in bindings]
-    return with_effects(action, single)
-
-
-def _bound(effect: Effect, binding: Mapping[str, str]) -> Effect:
-    """Return an effect for some objects."""
-
-    def bound(tree: Tree) -> Tree:
-        if isinstance(tree, Word):
-            return word(binding[tree], tree) if tree in binding else tree
-        return tree.like(map(bound, tree))
-
-    change = bound(effect.change)
-    assert isinstance(change, Branch)
-    return Effect((), tuple(map(bound, effect.conditions)), change, effect.phase)

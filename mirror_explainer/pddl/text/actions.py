@@ -1,10 +1,10 @@
 """Actions as they stand in a domain: their parts by keyword, and their effects one by one."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mirror_explainer.errors import InputError, did_you_mean
-from mirror_explainer.pddl.text.declarations import Kinds, typed_variables
+from mirror_explainer.pddl.text.declarations import Kinds, typed_names, typed_variables
 from mirror_explainer.pddl.text.definition import Definition, unequal
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, require_name, word
 
@@ -66,6 +66,11 @@ class Effect:
         for variables in reversed(self.variables):
             tree = place.like([word('forall', place), variables, tree])
         return tree
+
+
+def variables_of(parts: Sequence[Tree]) -> dict[str, Kinds]:
+    """Return the variables of "?a ?b - type"; the faults in it are found elsewhere."""
+    return {str(name): tuple(map(str, kinds)) for name, kinds in typed_names(parts, '')}
 
 
 def read_actions(domain: Definition, types: Mapping[str, Kinds]) -> list[Action]:

@@ -4,7 +4,7 @@ Equal declarations count once. Raised is InputError with the line of what is wro
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl.text.definition import Definition, unequal
@@ -55,13 +55,14 @@ class Declarations:
     """All that a task declares, by name.
 
     `types` has each type's supertypes, `object` has none. `objects` are the domain's constants
-    and the problem's objects.
+    and the problem's objects, `written` says how they are written.
     """
 
     types: Mapping[str, Kinds]
     objects: Mapping[str, Kinds]
     predicates: Mapping[str, Declared]
     functions: Mapping[str, Declared]
+    written: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     def above(self, name: str) -> frozenset[str]:
         """Return a type with all types above it."""
@@ -107,6 +108,7 @@ def read_declarations(domain: Definition, problem: Definition) -> Declarations:
         {name: tuple(map(str, kinds)) for name, (_, kinds) in objects.items()},
         predicates,
         functions,
+        {name: word.written for name, (word, _) in objects.items()},
     )
 
 

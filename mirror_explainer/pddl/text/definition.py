@@ -116,8 +116,8 @@ class Definition:
             [word('define', place), head, *self.all(*_ORDER[self.kind])],
         )
 
-    def text(self) -> tuple[str, list[int]]:
-        """Return the definition's text, and for each of its lines the original one."""
+    def text(self) -> str:
+        """Return the definition's text."""
         return layout(self.tree())
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from mirror_explainer.pddl.expressions import number
 from mirror_explainer.pddl.text.declarations import Declarations
 from mirror_explainer.pddl.text.definition import Definition
-from mirror_explainer.pddl.text.tree import Branch, Tree, Word, branches, has_word
+from mirror_explainer.pddl.text.tree import Branch, Tree, Word, branches, has_word, word
 
 _FOLLOWS = 'a belief for which no plan is found then counts as unforeseen, not as impossible'
 
@@ -20,6 +20,9 @@ TASKS = 'tasks and methods to break them down by are left out: only actions and 
 CONTINUOUS = 'effects that go on all the while (#t) are left out'
 OPEN_DURATIONS = 'durations that are left open count with the least that they can be'
 CHANGING_DURATIONS = 'durations that change as the plan runs count with what they are at first'
+DERIVED_LATER = (
+    'derived conditions that must hold after the start of an action that changes them are left out'
+)
 NUMBERS = (
     'numbers that change count when the plan of the robot is checked, and are left out of '
     "planning for the listener's beliefs"
@@ -128,9 +131,7 @@ def _without(tree: Tree, source: str, left_out: LeftOut) -> Tree:
 
 
 def _and(place: Tree) -> Word:
-    made = Word('and')
-    made.line, made.column = place.line, place.column
-    return made
+    return word('and', place)
 
 
 def _is_timed(part: Tree, declared: Declarations) -> bool:

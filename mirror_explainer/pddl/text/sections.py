@@ -1,13 +1,7 @@
-"""The sections of a PDDL text, found without reading it, and edits that keep its lines.
-
-For what unified-planning's reader refuses, or would misread, or names no line for.
-"""
+"""Where the sections of a PDDL text stand, for whoever edits texts without reading them."""
 
 import re
 from dataclasses import dataclass
-
-_TOTAL_TIME = re.compile(r':metric\s+minimize\s*\(?\s*total-time\s*\)?\s*\)', re.IGNORECASE)
-_COST_EFFECT = re.compile(r'\(\s*increase\s*\(\s*total-cost\s*\)', re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -44,51 +38,3 @@ def sections(text: str) -> list[Section]:
 def section(text: str, keyword: str) -> Section | None:
     """Return the first section with the keyword, None if there is none."""
     return next((part for part in sections(text) if part.keyword == keyword), None)
-
-
-def line_at(text: str, position: int) -> int:
-    """Return the line, from 1, of a position in the text."""
-    return text.count('\n', 0, position) + 1
-
-
-def line_of(pattern: str, text: str) -> int | None:
-    """Return the first line outside comments, from 1, that a regular expression fits, or None."""
-    found = re.search(pattern, without_comments(text), re.IGNORECASE)
-    return line_at(text, found.start()) if found else None
-
-
-def blanked(text: str, start: int, end: int, instead: str = '') -> str:
-    """Return the text with something shorter instead of a piece, and its lines where they were."""
-    blanks = re.sub(r'\S', ' ', text[start:end])
-    if '\n' in blanks[: len(instead)] or len(instead) > len(blanks):
-        return text[:start] + instead + blanks + text[end:]
-    return text[:start] + instead + blanks[len(instead) :] + text[end:]
-
-
-def without_total_time(problem: str) -> str:
-    """Return the problem without a metric that asks for the least total time."""
-    metric = section(problem, ':metric')
-    if metric and _TOTAL_TIME.search(without_comments(problem)[metric.start : metric.end]):
-        return blanked(problem, metric.start, metric.end)
-    return problem
-
-
-def without_costs(domain: str) -> str:
-    """Return the domain with an empty effect for every one that raises the total cost."""
-    plain = without_comments(domain)
-    for found in _COST_EFFECT.finditer(plain):
-        depth = 0
-        for parenthesis in re.compile(r'[()]').finditer(plain, found.start()):
-            depth += 1 if parenthesis[0] == '(' else -1
-            if depth == 0:
-                domain = blanked(domain, found.start(), parenthesis.end(), '(and)')
-                break
-    return domain
-
-
-def without_values(problem: str, function: str) -> str:
-    """Return the problem without the initial values of a function."""
-    value = rf'\(\s*=\s*\(\s*{re.escape(function)}(?![^\s()])[^()]*\)[^()]*\)'
-    for found in re.finditer(value, without_comments(problem), re.IGNORECASE):
-        problem = blanked(problem, found.start(), found.end())
-    return problem

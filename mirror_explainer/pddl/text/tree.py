@@ -20,11 +20,20 @@ _HUGE_NUMBER = re.compile(r'[-+]?(?:[\d._]*e[-+]?[\d_]{4,}|[\d._]{1000,})', re.I
 
 
 class Word(str):
-    """A word in lower case; `line` and `column` count from 1."""
+    """A word in lower case; `written` is it as it was; `line` and `column` count from 1."""
 
-    __slots__ = ('column', 'line')
+    __slots__ = ('column', 'line', 'written')
     line: int
     column: int
+    written: str
+
+    def __new__(cls, text: str, line: int = 1, column: int = 1) -> 'Word':
+        """Make a word at a place."""
+        made = super().__new__(cls, text.lower())
+        made.written = text
+        made.line = line
+        made.column = column
+        return made
 
 
 class Branch(list['Tree']):
@@ -61,10 +70,8 @@ def parse(text: str, source: str, stop: Callable[[], None] | None = None) -> lis
     text = plain_text(text)
     found: list[Tree] = []
     parts, open_branches = found, list[Branch]()
-    line, line_start, lower = 1, -1, text if text.islower() else text.lower()
-    if len(lower) != len(text):  # some letters have no small form of the same length
-        lower = text
-    for count, match in enumerate(_TOKEN.finditer(lower)):
+    line, line_start = 1, -1
+    for count, match in enumerate(_TOKEN.finditer(text)):
         token = match[0]
         if token == '(':
             branch = Branch((), line, match.start() - line_start)
@@ -84,9 +91,7 @@ def parse(text: str, source: str, stop: Callable[[], None] | None = None) -> lis
         elif token == '\n':
             line, line_start = line + 1, match.start()
         elif token[0] != ';':
-            word = Word(token)
-            word.line, word.column = line, match.start() - line_start
-            parts.append(word)
+            parts.append(Word(token, line, match.start() - line_start))
         if stop and count % 10_000 == 0:
             stop()
     if open_branches:
@@ -166,9 +171,7 @@ def branches(tree: Tree) -> Iterator[Branch]:
 
 def word(text: str, place: Tree) -> Word:
     """Return a word that stands for what was at the place."""
-    made = Word(text)
-    made.line, made.column = place.line, place.column
-    return made
+    return Word(text, place.line, place.column)
 
 
 def made(text: str, place: Tree) -> Branch:
@@ -202,18 +205,16 @@ def substituted(tree: Tree, instead: dict[str, Tree]) -> Tree:
     return tree.like(substituted(part, instead) for part in tree)
 
 
-def layout(tree: Branch) -> tuple[str, list[int]]:
-    """Return a text of the tree, and for each of its lines the line that it came from.
-
-    What stood on one line stands on one line again.
-    """
+def layout(tree: Branch) -> str:
+    """Return a text of the tree: what stood on one line stands on one line again."""
     pieces: list[str] = []
-    lines = [tree.line]
+    line = tree.line
 
     def write(part: Tree) -> None:
-        if part.line != lines[-1]:
+        nonlocal line
+        if part.line != line:
             pieces.append('\n')
-            lines.append(part.line)
+            line = part.line
         elif pieces and pieces[-1] not in ('(', '\n'):
             pieces.append(' ')
         if isinstance(part, Branch):
@@ -225,4 +226,4 @@ def layout(tree: Branch) -> tuple[str, list[int]]:
             pieces.append(part)
 
     write(tree)
-    return ''.join(pieces) + '\n', lines
+    return ''.join(pieces) + '\n'
