@@ -155,6 +155,13 @@ class Explanation:
         return [str(part) for part in self.model.unmentioned(self._heard)]
 
     @property
+    def unsaid_ends(self) -> list[int]:
+        """The plan positions that achieve what is unmentioned, ascending."""
+        ends = self.model.way.aims[self.model.true_goal][0].ends
+        unmentioned = self.model.unmentioned(self._heard)
+        return sorted({ends[part] for part in unmentioned if part in ends})
+
+    @property
     def optimal(self) -> bool:
         """Whether nothing of this size tells more."""
         return self.selection.optimal

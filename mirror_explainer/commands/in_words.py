@@ -32,7 +32,7 @@ def _left_open(explanation: Explanation) -> list[str]:
     """Say which parts were not mentioned, and which larger goals fit what was said as well."""
     told = []
     if explanation.unmentioned:
-        told.append(f'Not mentioned: {", ".join(explanation.unmentioned)}.')
+        told.append(f'Left unsaid: {" ".join(_unsaid(explanation))}')
     larger = [
         goal
         for goal, is_larger in zip(explanation.goals, explanation.model.larger, strict=False)
@@ -46,6 +46,11 @@ def _left_open(explanation: Explanation) -> list[str]:
     if partial >= _WORTH_TELLING:
         told.append(f'Or only a part of what they have in mind ({partial:.0%}).')
     return told
+
+
+def _unsaid(explanation: Explanation) -> list[str]:
+    """Return the sentences of the steps that bring about what was not mentioned."""
+    return [explanation.model.sentences[place] for place in explanation.unsaid_ends]
 
 
 def _amiss(explanation: Explanation) -> list[str]:

@@ -111,7 +111,7 @@ class MirrorModel:
     @property
     def complete(self) -> bool:
         """Whether all of P(B) was planned for, and all plans asked for were looked for."""
-        return self.planned > 1.0 - 1e-9 and not self.cut_by_time
+        return self.planned == 1.0 and not self.cut_by_time
 
     @property
     def doubt_measure(self) -> Doubt:
@@ -346,6 +346,7 @@ def mirror_model(
         ]
     hypotheses = [*foreseen, *unforeseen]
     total = math.fsum(hypothesis.probability for hypothesis in hypotheses)
+    share = planned / math.fsum(prior.goal_masses)
     cut = [result.cut for result in results.values() if result.cut]
     return MirrorModel(
         listener=listener,
@@ -357,14 +358,14 @@ def mirror_model(
         robot=robot,
         ratios=ratios.rows,
         covered=prior.covered_mass,
-        planned=min(1.0, planned / math.fsum(prior.goal_masses)),
+        planned=1.0 if share > 1.0 - _ROUNDING else share,
         unsolvable=unsolvable,
         plans_cut=len(cut),
         cut_by_time=cut.count('time'),
     )
 
 
-_ROUNDING = 1e-12
+_ROUNDING = 1e-9
 _NOT_YET = BeliefPlans(Status.UNKNOWN, reason='not planned for yet')
 
 

@@ -128,7 +128,7 @@ def prepare(
         user_model.rationality,
         user_model.listener,
         settings,
-        warnings=prior.warnings,
+        warnings=(*task.warnings, *prior.warnings),
         unsure=_unsure(task),
     )
 
