@@ -26,7 +26,7 @@ def _curves(**understanding: list[float]) -> list[dict[str, object]]:
                 strategy: {
                     'understanding': values[n - 1],
                     'information_gain': 2.0 * values[n - 1],
-                    'cross_entropy': 2.0 * (1 - values[n - 1]),
+                    'doubt': 2.0 * (1 - values[n - 1]),
                 }
                 for strategy, values in understanding.items()
             },
@@ -36,23 +36,24 @@ def _curves(**understanding: list[float]) -> list[dict[str, object]]:
 
 
 def test_the_warehouse_is_told_in_three_orders_with_the_n_that_each_needs(tmp_path, capsys):
-    assert main(_arguments('--output', str(tmp_path / 'figure.png'))) == 0
+    figure = ('--output', str(tmp_path / 'figure.png'))
+    assert main(_arguments(*figure, '--listener', 'planner')) == 0
 
     lines = capsys.readouterr().out.splitlines()
     table = lines.index(next(line for line in lines if 'Increasing order' in line))
-    first, last = lines[table + 2], lines[table + 11]
+    first, last = lines[table + 2], lines[table + 9]
     expected = (
         'I will navigate to the central corridor.',
         'I will exit from the bottom door.',
         'I will exit from the bottom door.',
     )
     assert ' '.join(first.split()) == ' '.join(['1', *expected])
-    assert last.startswith('10  I will exit from the bottom door.')
+    assert last.startswith('8  I will exit from the bottom door.')
     # Three sentences tell all ln 30 = 3.40 nats: two of five objects, one of three doors.
     [three] = [line for line in lines if line.split()[:1] == ['3'] and '%' in line]
     assert three.split()[-2:] == ['100%', '3.40']
     [level] = [line for line in lines if line.split()[:1] == ['85%'] and 'sure' not in line]
-    assert level.split() == ['85%', '7', '10', '3']
+    assert level.split() == ['85%', '6', '8', '3']
     assert any(line.startswith('Hint: n: 3 makes the listener 100% sure') for line in lines)
     assert (tmp_path / 'figure.png').read_bytes().startswith(b'\x89PNG')
     assert '<svg' in (tmp_path / 'figure.svg').read_text()
@@ -76,8 +77,8 @@ def test_the_hint_for_plans_that_sound_the_same_is_to_word_them_apart():
 def test_a_threshold_that_is_never_reached_says_what_tells_all():
     curves = _curves(informative=[0.5, 0.9, 0.9], increasing=[0, 0, 0.9], decreasing=[0, 0, 0.9])
 
-    assert sufficient(curves, 1.5) == 1  # H = 2·(1 − 0.5) = 1 < 1.5
-    assert sufficient(curves, 0.1) == 2  # H = 0.2 is as low as it gets
+    assert sufficient(curves, 1.5) == 1  # D = 2·(1 − 0.5) = 1 < 1.5
+    assert sufficient(curves, 0.1) == 2  # D = 0.2 is as low as it gets
 
 
 def test_bad_input_is_told_with_its_cure(tmp_path, capsys):

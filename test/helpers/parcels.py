@@ -4,8 +4,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from mirror_explainer.explainer import explain, robot_plan
-from mirror_explainer.listener.preparation import prepare, refine
+from prepared import prepared
+
+from mirror_explainer.explainer import explain
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
@@ -77,5 +78,4 @@ def right_answers(user_model: Path) -> RightAnswers:
 def _answer(number: int, user_model: Path, planner: Planner) -> str:
     task = read_task(DOMAIN, problem(number))
     listener = read_user_model(user_model, task)
-    unplanned = prepare(task, robot_plan(task, plan(number)), listener)
-    return explain(refine(unplanned, planner)).spoken
+    return explain(prepared(task, plan(number), listener, planner)).spoken

@@ -12,9 +12,10 @@ from pathlib import Path
 
 import pytest
 from conftest import WAREHOUSE
+from prepared import prepared as planned
 
-from mirror_explainer.explainer import Explanation, explain, robot_plan
-from mirror_explainer.listener.preparation import Preparation, prepare, refine
+from mirror_explainer.explainer import Explanation, explain
+from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.diagnostics import Diagnosis, Level, diagnose
 from mirror_explainer.node.history import History, news
@@ -24,7 +25,6 @@ from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Surroundings, look_around, package_version
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
-from mirror_explainer.settings import PlanningSettings
 
 WAITING = Readiness(
     Phase.WAITING,
@@ -44,10 +44,9 @@ def planner() -> Iterator[Planner]:
 
 
 def prepared(task: Task, warehouse: Path, planner: Planner, max_beliefs: int) -> Preparation:
-    plan = robot_plan(task, (warehouse / 'plan.txt').read_text())
+    plan = (warehouse / 'plan.txt').read_text()
     user_model = read_user_model(warehouse / 'user_model.yaml', task)
-    settings = PlanningSettings(max_beliefs=max_beliefs)
-    return refine(prepare(task, plan, user_model, settings), planner)
+    return planned(task, plan, user_model, planner, max_beliefs=max_beliefs)
 
 
 @pytest.fixture(scope='module')

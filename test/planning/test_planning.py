@@ -413,4 +413,4 @@ def test_what_robots_send_is_planned_for(
     held = read_task(
         task.domain, task.problem.replace(':init', ':init (key)').replace('(at gallery)', '(and)')
     )
-    assert robot_plan(held, plan).cost == with_key
+    assert robot_plan(held, plan).plan.cost == with_key
