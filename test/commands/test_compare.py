@@ -48,7 +48,7 @@ def test_the_warehouse_is_told_in_three_orders_with_the_n_that_each_needs(tmp_pa
         'I will exit from the bottom door.',
     )
     assert ' '.join(first.split()) == ' '.join(['1', *expected])
-    assert last.startswith('8  I will exit from the bottom door.')
+    assert last.startswith(' 8  I will exit from the bottom door.')
     # Three sentences tell all ln 30 = 3.40 nats: two of five objects, one of three doors.
     [three] = [line for line in lines if line.split()[:1] == ['3'] and '%' in line]
     assert three.split()[-2:] == ['100%', '3.40']
