@@ -365,7 +365,16 @@ TYPES = {
     },
     'goals': [{'name': TEXT_OR_NONE, 'prior': NUMBER, 'posterior': NUMBER}],
     'facts': [{'fact': str, 'prior': NUMBER, 'posterior': NUMBER, 'true': bool}],
-    'plan': [{'position': int, 'action': str, 'sentence': str, 'information_gain': NUMBER}],
+    'plan': [
+        {
+            'position': int,
+            'action': str,
+            'sentence': str,
+            'status': str,
+            'information_gain': NUMBER,
+        }
+    ],
+    'episode': {'number': int, 'began': TEXT_OR_NONE, 'reason': str},
     'hypotheses': list,
     'seconds': {'read': NUMBER, 'planning': NUMBER, 'selection': NUMBER},
     'planner_calls': int,
