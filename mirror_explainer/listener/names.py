@@ -1,7 +1,7 @@
 """What objects are called that the user model has no name for: "the big gripper", "ward 1B"."""
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mirror_explainer.listener.english import word_set
@@ -11,8 +11,13 @@ from mirror_explainer.pddl import Task
 _PEOPLE = word_set('person people human patient passenger customer guest user')
 # Kinds of things that have names of their own.
 _NAMED = word_set('city town village country host server planet star')
+# Kinds whose names are mostly what they are like: "infrared", "slow", "red".
+_QUALIFIED = word_set(
+    'camera sensor lens filter film light mode setting program recipe colour color speed channel '
+    'style size shape surface material'
+)
 # Kinds that tell nothing.
-_VAGUE = word_set('tool item object thing place location device instrument')
+VAGUE = word_set('tool item object thing place location device instrument')
 # Kinds of people that are no one's name.
 _ROLES = word_set(
     'nurse doctor surgeon patient child guest visitor customer operator user resident chef cook '
@@ -33,25 +38,24 @@ class Name:
         """The number or letter that tells it from others, as in "ward 1b" and "lift a"."""
         return self.words[-1] if is_code(self.words[-1]) else ''
 
-    def called(self, words: Sequence[str] = (), noun: str = '', always: bool = False) -> str:
+    def called(self, words: Sequence[str] = (), noun: str = '', qualified: bool = False) -> str:
         """Return the name in a sentence, with "the" where English wants it.
 
         `words` are those of its words that are said, if not all. `noun` says what it is,
-        where the name does not: "truck tru1", but "truck 1" and "the big one"; "the big one
-        truck" only where a noun is `always` wanted.
+        where the name does not: "truck tru1", but "truck 1" and "the big one". Where it is
+        `qualified` by the name, it is said too: "the infrared camera".
         """
         words = words or self.words
         if len(words) == 1 and len(words[0]) == 1 and self.kinds:
-            noun = noun or ('' if self.kinds[0] in _VAGUE else self.kinds[0])
+            noun = noun or ('' if self.kinds[0] in VAGUE else self.kinds[0])
         said = ' '.join(words)
         named = not noun or any(_names(word.lower(), noun) for word in words)
         if is_code(words[-1]):
             return said if named else f'{noun} {said}'
         if self._is_proper:
             return said
-        return (
-            f'the {said} {noun}' if always and not named and noun not in _VAGUE else f'the {said}'
-        )
+        wanted = qualified and not named and noun in _QUALIFIED
+        return f'the {said} {noun}' if wanted else f'the {said}'
 
     @property
     def _is_proper(self) -> bool:
@@ -73,25 +77,14 @@ def object_names(task: Task) -> dict[str, Name]:
     """Return the names of the task's objects, by the object in lower case."""
     objects = [(item.name.lower(), item.type) for item in task.model.all_objects]
     kinds = {kind: _types(kind) for kind in {kind for _, kind in objects}}
-    spelt = _spelt(task.written_objects.values(), [name for name, _ in objects])
-    return {name: Name(_words(spelt[name]), kinds[kind]) for name, kind in objects}
+    written = spelling(task.written_objects)
+    return {n: Name(_words(written.get(n, n)), kinds[kind]) for n, kind in objects}
 
 
-def action_names(task: Task) -> dict[str, str]:
-    """Return the names of the domain's actions as they are written, by those in lower case."""
-    return _spelt(task.written_actions.values(), [action.name for action in task.model.actions])
-
-
-def _spelt(written: Iterable[str], names: Collection[str]) -> dict[str, str]:
-    """Return names, given in lower case, as they are written.
-
-    Where all are written in capitals, that says nothing.
-    """
-    known = set(names)
-    spelt = {name: name for name in names} | {w.lower(): w for w in written if w.lower() in known}
-    if any(word != word.upper() for word in spelt.values() if re.search('[a-zA-Z]{2}', word)):
-        return spelt
-    return {name: name for name in names}
+def spelling(written: Mapping[str, str]) -> Mapping[str, str]:
+    """Return names as they are written, none where most are in capitals: that tells nothing."""
+    words = [name for name in written.values() if re.search('[a-zA-Z]{2}', name)]
+    return written if 2 * sum(word != word.upper() for word in words) >= len(words) else {}
 
 
 def _words(spelt: str) -> tuple[str, ...]:

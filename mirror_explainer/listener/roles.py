@@ -6,7 +6,7 @@ The readable default of a sentence is made from this.
 import itertools
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,6 +20,8 @@ _AMOUNTS = word_set(
     'level fuel battery energy power number num count counter amount capacity size time tick '
     'step percent int integer quantity'
 )
+# Predicates that name what holds a thing before the thing.
+_HOLDING = word_set('contains containing holding holds carrying carries lifting gripping grasping')
 # Predicates that say whether a thing can be used, which no listener asks for.
 _USE = word_set(
     'free empty clear full available avail idle vacant busy occupied handempty handfree unused '
@@ -30,10 +32,18 @@ _AGENTS = word_set('robot agent rover drone uav agv amr manipulator')
 
 @dataclass(frozen=True)
 class Atom:
-    """A predicate with an action's parameters; '' stands for an object."""
+    """A predicate with an action's parameters; '' stands for an object.
+
+    What is somewhere goes before where it is: (holding ?hand ?cup) is turned around.
+    """
 
     predicate: str
     arguments: tuple[str, ...]
+
+    @cached_property
+    def turned(self) -> bool:
+        """Whether it says who holds, carries or contains something."""
+        return not _HOLDING.isdisjoint(words_in(self.predicate))
 
     @cached_property
     def about_use(self) -> bool:
@@ -129,18 +139,23 @@ def _roles(action: up.InstantaneousAction, static: set[str]) -> Roles:
 
 
 def _atom(expression: up.FNode) -> Atom:
-    return Atom(
-        expression.fluent().name,
-        tuple(a.parameter().name if a.is_parameter_exp() else '' for a in expression.args),
-    )
+    name = expression.fluent().name
+    arguments = [a.parameter().name if a.is_parameter_exp() else '' for a in expression.args]
+    if len(arguments) == 2 and not _HOLDING.isdisjoint(words_in(name)):
+        arguments.reverse()
+    return Atom(name, tuple(arguments))
 
 
 def _move(made: Atom, undone: Atom) -> Move | None:
     if made.predicate != undone.predicate:
         return None
-    pairs = zip(undone.arguments, made.arguments, strict=True)
-    changed = [pair for pair in pairs if pair[0] != pair[1]]
-    return Move(made.predicate, *changed[0]) if len(changed) == 1 and all(changed[0]) else None
+    pairs = list(zip(undone.arguments, made.arguments, strict=True))
+    changed = [(i, pair) for i, pair in enumerate(pairs) if pair[0] != pair[1]]
+    if len(changed) != 1 or not all(changed[0][1]):
+        return None
+    place, (origin, destination) = changed[0]
+    # What stands first of several is what is somewhere, rather than where.
+    return Move(made.predicate, origin, destination) if place or len(pairs) == 1 else None
 
 
 def _with_types_above(kind: up.Type | None) -> Iterator[up.Type]:
@@ -163,7 +178,18 @@ def _acting_kinds(roles: Mapping[str, Roles]) -> set[str]:
         if argument not in ('', move.destination) and role.kinds[argument]
     }
     everywhere = {kind for kind, count in counts.items() if count == len(having) > 1}
-    return {k for k in counts if not _AGENTS.isdisjoint(words_in(k))} | (everywhere & moving)
+    robots = {kind for kind in counts if not _AGENTS.isdisjoint(words_in(kind))}
+    return robots | (everywhere & moving) - place_kinds(roles.values())
+
+
+def place_kinds(roles: Iterable[Roles]) -> set[str]:
+    """Return the kinds of what things get to."""
+    return {
+        role.kinds[move.destination][0]
+        for role in roles
+        for move in role.moves
+        if role.kinds[move.destination]
+    }
 
 
 def words_in(name: str) -> list[str]:

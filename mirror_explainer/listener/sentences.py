@@ -12,7 +12,7 @@ from itertools import permutations
 
 from mirror_explainer.listener.distinct import more_parameters
 from mirror_explainer.listener.english import other_tenses
-from mirror_explainer.listener.names import Name, action_names, object_names
+from mirror_explainer.listener.names import Name, object_names, spelling
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.readable import Readable, Readables
 from mirror_explainer.listener.roles import Roles, roles_of
@@ -136,7 +136,7 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     kinds = Counter(kind for name in names.values() for kind in name.kinds)
     kinds += Counter(predicate for predicate, *objects in facts if len(objects) == 1)
     alone = frozenset(kind for kind, count in kinds.items() if count == 1)
-    readables = Readables(roles, action_names(task), alone)
+    readables = Readables(roles, spelling(task.written_actions), alone)
     usual = Sentences(
         parameters,
         user_model.templates,

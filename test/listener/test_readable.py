@@ -5,6 +5,7 @@ import pytest
 from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.pddl.progress import StepStatus
 
 NO_TEMPLATES = UserModel(())
 
@@ -66,7 +67,7 @@ SPOKEN = [
     (
         action('dropOff', '?t - thing ?r - room', '(not (held ?t)) (on-shelf ?t ?r)', '(at ?r)'),
         'tin7 x',
-        'drop off tin7 on room x',
+        'drop off tin7 at room x',
     ),
     (
         action('take', '?t - thing ?b - bay', '(stored ?t ?b) (not (bay-free ?b))'),
@@ -148,6 +149,42 @@ def test_what_the_name_of_an_action_says_its_object_is_stands_before_a_code() ->
         'I will unload BOX A from truck t2 at y2.'
     )
     assert sentences.of('(weigh b1 c)') == 'I will weigh b1 with crane c.'
+
+
+BAR = """
+(define (domain bar) (:requirements :strips :typing)
+  (:types hand vessel drink spot - object glass jug - vessel)
+  (:predicates (on ?v - vessel ?s - spot) (holding ?h - hand ?v - vessel) (hand-free ?h - hand)
+    (contains ?v - vessel ?d - drink) (empty ?v - vessel) (clean ?v - vessel) (shaken ?d - drink))
+  (:action grasp :parameters (?h - hand ?v - vessel ?s - spot)
+    :precondition (and (on ?v ?s) (hand-free ?h))
+    :effect (and (not (on ?v ?s)) (not (hand-free ?h)) (holding ?h ?v)))
+  (:action fill-glass :parameters (?g - glass ?d - drink) :precondition (empty ?g)
+    :effect (and (contains ?g ?d) (not (empty ?g)) (not (clean ?g))))
+  (:action pour-jug-into-clean-glass :parameters (?j - jug ?g - glass ?d - drink)
+    :effect (and (contains ?g ?d) (not (contains ?j ?d)) (empty ?j) (not (clean ?g))))
+  (:action empty-jug :parameters (?j - jug ?d - drink)
+    :effect (and (not (contains ?j ?d)) (empty ?j)))
+  (:action grasp-two :parameters (?h ?k - hand ?v ?w - vessel)
+    :effect (and (holding ?h ?v) (holding ?k ?w))))
+"""
+
+
+def test_what_is_held_or_filled_is_not_said_of_the_hand() -> None:
+    problem = (
+        '(define (problem p) (:domain bar) (:objects left right - hand g1 g2 - glass kettle - jug '
+        'tea - drink table - spot) (:init) (:goal (and)))'
+    )
+    sentences = sentences_for(read_task(BAR, problem), NO_TEMPLATES)
+
+    assert sentences.of('(grasp left g1 table)') == 'I will grasp g1 from the table.'
+    assert sentences.of('(fill-glass g1 tea)') == 'I will fill glass g1 with the tea.'
+    assert sentences.of('(pour-jug-into-clean-glass kettle g1 tea)') == (
+        'I will pour the tea into glass g1.'
+    )
+    assert sentences.of('(empty-jug kettle tea)') == 'I will empty the kettle of the tea.'
+    # Of four objects three are said.
+    assert sentences.of('(grasp-two left right g1 g2)').count('g') == 3
 
 
 UNTYPED = """
@@ -258,8 +295,6 @@ def test_what_the_user_model_calls_an_object_is_said_in_default_sentences_too(ta
 
 
 def test_a_default_sentence_is_said_in_all_tenses(task: Task) -> None:
-    from mirror_explainer.pddl.progress import StepStatus
-
     sentences = sentences_for(task, NO_TEMPLATES)
 
     assert sentences.said('(exit bottom_door right)', StepStatus.RUNNING) == (

@@ -1,0 +1,143 @@
+"""What of an action's objects a listener wants to hear, in which order: chosen by its effects."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from mirror_explainer.listener.english import word_set
+from mirror_explainer.listener.roles import Atom, Roles, words_in
+from mirror_explainer.listener.verb_phrase import PREPOSITIONS, VerbPhrase, verb_phrase
+
+# What is taken is told from where, not with which hand or into which pocket.
+_TAKING = word_set('pick grab grasp take get collect fetch lift')
+_SOMEWHERE = PREPOSITIONS | word_set('stored lies located location loc position pos parked')
+
+
+@dataclass(frozen=True)
+class Essentials:
+    """The parameters that are said of an action, whose name has these words.
+
+    Nothing is said of the `silent` ones. `moving` are the predicates that say where things
+    are, and `places` the kinds of where they are.
+    """
+
+    roles: Roles
+    words: Sequence[str]
+    silent: frozenset[str]
+    moving: frozenset[str]
+    places: frozenset[str]
+
+    @cached_property
+    def aim(self) -> str:
+        """The parameter for where the robot, or what it moves, gets to; '' if none."""
+        aims = [move.destination for move in self.roles.moves]
+        return next((aim for aim in aims if aim not in self.silent), '')
+
+    @cached_property
+    def origins(self) -> frozenset[str]:
+        """The parameters for where what moves was before."""
+        return frozenset(move.origin for move in self.roles.moves)
+
+    @cached_property
+    def nouns(self) -> dict[str, str]:
+        """The words of the action's name that stand for its parameters, by parameter."""
+        named: dict[str, str] = {}
+        changing = self._in(self.roles.made) + self._in(self.roles.undone)
+        candidates = [p for p in (self.aim, *changing, *self.roles.parameters) if p]
+        for word in [*self.words[1:], self.words[0]]:
+            if word not in PREPOSITIONS:
+                for p in candidates:
+                    taken = self.silent | self.origins | named.keys()
+                    if p not in taken and (word == p or self.is_kind(p, word)):
+                        named[p] = word
+                        break
+        return named
+
+    def is_kind(self, parameter: str, noun: str) -> bool:
+        """Say whether a noun is a parameter's kind, or the last word of it: "slow-lift"."""
+        return any(words_in(kind)[-1] == noun for kind in self.roles.kinds[parameter])
+
+    @cached_property
+    def phrase(self) -> VerbPhrase:
+        """The action's name as a verb and what else it says."""
+        return verb_phrase(self.words, set(self.nouns.values()))
+
+    @cached_property
+    def things(self) -> tuple[str, ...]:
+        """The parameters to say beside the aim, those that something is brought about for.
+
+        The first one is what the verb is done to.
+        """
+        made, undone = self.roles.made, self.roles.undone
+        things = self._in(atom for atom in made if not atom.about_use)
+        if not things and not self.aim:
+            things = (
+                self._in(atom for atom in undone if not atom.about_use)
+                or self._in(made)
+                or self._in(undone)
+            )
+        order = self.roles.parameters.index
+        for named in self.nouns:
+            if named not in things and named != self.aim:
+                later = [i for i, p in enumerate(things) if order(p) > order(named)]
+                things.insert(later[0] if later else len(things), named)
+        # What was elsewhere before goes first, then what the verb names: "load truck", "fill cup".
+        shifted = {a.arguments[0] for a in undone if len(a.arguments) > 1 and not a.about_use}
+        shifted &= {p for atom in made if not atom.about_use for p in atom.arguments}
+        things.sort(key=lambda p: (p not in shifted, p != self._named_first))
+        return tuple(p for p in things if p not in self._hands(things))
+
+    @property
+    def _named_first(self) -> str:
+        """The parameter that the word after the verb stands for, '' if it stands for none."""
+        following = self.phrase.rest[:1]
+        return next((p for p, noun in self.nouns.items() if (noun,) == following), '')
+
+    @cached_property
+    def unsaid_nouns(self) -> set[str]:
+        """The words of the name that stand for parameters that are not said."""
+        unsaid = self.origins | self.silent
+        return {word for word in self.words for p in unsaid if self.is_kind(p, word)}
+
+    def _hands(self, things: Sequence[str]) -> set[str]:
+        """Return what a thing is only taken with, or into: it is free no more, or free again."""
+        if self.phrase.verb not in _TAKING and self.aim:
+            return set()
+        effects = (*self.roles.made, *self.roles.undone)
+        used = self._in(atom for atom in effects if atom.about_use)
+        holding = {
+            a.arguments[1]
+            for a in effects
+            if len(a.arguments) == 2 and a.turned and a.arguments[0] in things[:1]
+        }
+        kinds = [self.roles.kinds[p] for p in things[:1]]
+        return {
+            p
+            for p in used
+            if p not in {*things[:1], *self.nouns} and self.roles.kinds[p] not in kinds
+            if self.phrase.verb in _TAKING or p in holding
+        }
+
+    def source(self, direct: str) -> str:
+        """Return where the direct object is taken away from, '' if that is not told."""
+        unsaid = {'', direct, *self.silent, *self.origins, *self.roles.agents, *self.things}
+        for atom in self.roles.undone:
+            if direct and atom.arguments[:1] == (direct,):
+                for p in atom.arguments:
+                    if p not in unsaid and self.is_at(atom, p):
+                        return p
+        return ''
+
+    def is_at(self, atom: Atom, parameter: str) -> bool:
+        """Say whether an atom tells that something is at, on or in what a parameter stands for."""
+        kinds = self.roles.kinds[parameter]
+        return not atom.about_use and (
+            not self.places.isdisjoint(kinds)
+            or not _SOMEWHERE.isdisjoint(words_in(atom.predicate))
+        )
+
+    def _in(self, atoms: Iterable[Atom]) -> list[str]:
+        """Return the parameters in some atoms, those of the widest atom first."""
+        ordered = sorted(atoms, key=lambda atom: -len(atom.arguments))
+        found = dict.fromkeys(p for atom in ordered for p in atom.arguments if p)
+        return [p for p in found if p not in self.silent and p != self.aim]
