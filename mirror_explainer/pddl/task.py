@@ -40,7 +40,7 @@ from mirror_explainer.pddl.text.left_out import (
 )
 from mirror_explainer.pddl.text.plain_types import with_actions, with_plain_types
 from mirror_explainer.pddl.text.size import require_few
-from mirror_explainer.pddl.text.tree import as_text, parse
+from mirror_explainer.pddl.text.tree import Branch, as_text, made, parse
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     if NUMBERS in left_out.places:
         goals = tuple(conjuncts(Expressions(model).expression(goal, {})))
     return Task(
-        with_actions(plannable.domain, planned).text(),
+        with_actions(_as_required(plannable.domain), planned).text(),
         plannable.problem.text(),
         model,
         as_text(goal),
@@ -200,6 +200,14 @@ def _at_once(
     if lost is not None:
         left_out.note(DERIVED_LATER, domain.source, lost)
     return made
+
+
+def _as_required(domain: Definition) -> Definition:
+    """Return the domain with the requirements that what is left of it may have."""
+    place = domain.section(':requirements') or Branch((), domain.line)
+    return domain.having(
+        ':requirements', made('(:requirements :adl :derived-predicates :action-costs)', place)
+    )
 
 
 def _split_goals(model: up.Problem) -> None:
