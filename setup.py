@@ -76,6 +76,7 @@ setup(
     entry_points={
         'console_scripts': [
             'compare = mirror_explainer.commands.compare:main',
+            'draft_user_model = mirror_explainer.commands.draft_user_model:main',
             'explainer_node = mirror_explainer.node.explainer_node:main',
             'operator_page = mirror_explainer.web.operator.operator_page:main',
             'plansys2_bridge = mirror_explainer.node.plansys2_bridge:main',

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.listeners import LISTENERS, OPEN, Listener
+from mirror_explainer.listener.patterns import written_out
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.user_model_checks import (
     atoms,
@@ -86,20 +87,23 @@ def read_user_model(
     the domain does not have; or for more than the limits allow.
     """
     source = os.fspath(path)
-    root, data = parse_yaml(read(source), source)
-    faults = [*text_faults(root)]
+    root, values = parse_yaml(read(source), source)
+    plain = written_out(values, task)
+    data = plain.data
+    faults = [*text_faults(root), *plain.faults]
+    if plain.faults:  # the rest of the file speaks of what these stand for
+        raise InputError(source, *report(faults, root))
     try:
         file: UserModelFile | None = UserModelFile.model_validate(data)
     except ValidationError as error:
         file = None
-        faults += map(schema_fault, error.errors())
+        faults += map(plain.placed, map(schema_fault, error.errors()))
     goals, goal_faults = candidate_goals(data, Path(path), task, read)
     if limits:
         limits.require('max_goals', len(goals), 'its goals', source)
         facts = sum(1 for _ in atoms(data))
         limits.require('max_uncertain_facts', facts, 'its uncertain facts', source)
-    faults += goal_faults
-    faults += fact_faults(data, task)
+    faults += map(plain.placed, [*goal_faults, *fact_faults(data, task)])
     if task is not None:
         actions = {a.name: tuple(p.name for p in a.parameters) for a in task.model.actions}
         faults += sentence_faults(data, actions, {kind.name for kind in task.model.user_types})

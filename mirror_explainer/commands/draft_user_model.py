@@ -1,0 +1,160 @@
+"""Draft a user model from a robot's own texts: `python3 -m mirror_explainer.draft_user_model`.
+
+A first model to be checked by whoever knows the robot and its listeners, which `verbalize` and
+the node take as it stands.
+"""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Sequence
+
+from mirror_explainer.commands.drafting.document import document
+from mirror_explainer.commands.drafting.facts import doubts
+from mirror_explainer.commands.drafting.goals import Candidate, candidates
+from mirror_explainer.commands.drafting.patterns import World
+from mirror_explainer.commands.drafting.words import drafted_words
+from mirror_explainer.commands.options import add_settings, settings_from
+from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.explainer import explain, robot_plan
+from mirror_explainer.listener.goals_seen import read_goals_seen
+from mirror_explainer.listener.preparation import RobotPlan, prepare, refine
+from mirror_explainer.listener.user_model import read_user_model
+from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
+from mirror_explainer.settings import PlanningSettings, Question
+from mirror_explainer.text_files import read_text, write_text
+
+_HEAD = """# A first user model, drafted by draft_user_model from the robot's own texts.
+# Check each part against what your listeners know, and what your robot does.
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; return 0, or 2 for bad input, told on stderr."""
+    options = _parser().parse_args(arguments)
+    try:
+        text, answers = _draft(options)
+        if options.output:
+            write_text(options.output, text)
+            print(answers, flush=True)
+        else:
+            print(text, flush=True)
+    except (InputError, PlanningError, OSError) as error:
+        print(f'draft_user_model: {told(error)}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def _draft(options: argparse.Namespace) -> tuple[str, str]:
+    """Return the user model's text, and what the robot would answer with it."""
+    task = read_task(
+        read_text(options.domain), read_text(options.problem), options.domain, options.problem
+    )
+    world = World(task)
+    own = world.parts(task.goal_text)
+    seen: Counter[str] = Counter()
+    for path in options.goals_seen:
+        seen.update(read_goals_seen(path))
+    settings = settings_from(PlanningSettings, options)
+    with Planner(
+        settings.planner,
+        workers=settings.workers,
+        planning_timeout=settings.planning_timeout,
+        memory_limit=settings.planner_memory_limit,
+        downward_binary=settings.downward_binary,
+    ) as planner:
+        plan = _robot_plan(task, options.plan, planner, settings)
+        found = candidates(world, own, seen)
+        goals = [own, *_examples(world, found, own, seen)]
+        facts = doubts(world, goals, plan.plan.actions, planner, settings.deadline / 3)
+        text = document(
+            found,
+            facts,
+            task.initial_facts,
+            drafted_words(task, plan.plan.actions),
+            _rationality(plan),
+        )
+        answers = _answers(task, plan, text, planner, settings)
+    commented = ''.join(f'# {line}'.rstrip() + '\n' for line in answers.split('\n'))
+    return f'{_HEAD}#\n{commented}\n{text}', answers
+
+
+def _robot_plan(
+    task: Task, path: str | None, planner: Planner, settings: PlanningSettings
+) -> RobotPlan:
+    """Return the robot's plan: the one that is given, or one that is made."""
+    if path:
+        return robot_plan(task, read_text(path), path)
+    space = BeliefSpace(task.domain, task.problem, (task.goal_text,))
+    result = planner.plan(space, [Belief(0)], deadline=settings.deadline).results[0]
+    if result.status is not Status.SOLVED:
+        raise PlanningError(
+            f"no plan was found for the robot's goal ({result.reason or 'there is none'})",
+            cure='Give its plan by --plan.',
+        )
+    return robot_plan(task, '\n'.join(result.plans[0].actions))
+
+
+def _examples(
+    world: World, found: Sequence[Candidate], own: Sequence[str], seen: Counter[str]
+) -> list[tuple[str, ...]]:
+    """Return some goals to try facts with: those seen, and one of each form."""
+    examples = [world.parts(goal) for goal, _ in seen.most_common(3)]
+    for candidate in found:
+        like = (g for g in world.goals(candidate.pattern) if set(g).isdisjoint(own))
+        examples += [goal for goal in [next(like, None)] if goal]
+    return examples
+
+
+def _rationality(plan: RobotPlan) -> float:
+    """Return β so that a usual step of the robot's plan counts as about 1."""
+    steps = len(plan.plan.actions)
+    mean = plan.plan.cost / steps if steps else 0.0
+    return float(f'{1 / mean:.1g}') if mean > 0 else 1.0
+
+
+def _answers(
+    task: Task, plan: RobotPlan, text: str, planner: Planner, settings: PlanningSettings
+) -> str:
+    """Return what the robot would answer with the model, with one to three sentences."""
+    user_model = read_user_model('the drafted user model', task, read=lambda _: text)
+    preparation = refine(prepare(task, plan, user_model, settings), planner)
+    lines = ['With this model, asked what it is up to, the robot says']
+    for n in (1, 2, 3):
+        explanation = explain(preparation, Question(n=n))
+        if n > 1 and explanation.n < n:
+            break
+        lines.append(f'with at most {n}:' if n > 1 else 'with one sentence:')
+        lines += [f'  {line}' for line in explanation.spoken.split('\n')]
+        lines.append(f'  (its goal is then found {explanation.understanding:.0%} likely)')
+    return '\n'.join(lines)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='draft_user_model',
+        description="Draft a user model from a robot's domain, problem and plan.",
+        epilog='Exit status: 0, or 2 for bad input.',
+    )
+    files = parser.add_argument_group('input')
+    files.add_argument('--domain', required=True, help='PDDL domain')
+    files.add_argument('--problem', required=True, help="PDDL problem: the robot's state and goal")
+    files.add_argument('--plan', help="the robot's plan; planned for if left out")
+    files.add_argument(
+        '--goals-seen',
+        action='extend',
+        nargs='+',
+        default=[],
+        metavar='FILE',
+        help='goals that the robot had before, as the node counts them, or one a line',
+    )
+    add_settings(parser.add_argument_group('planning'), PlanningSettings)
+    parser.add_argument('--output', metavar='FILE', help='write the model there')
+    return parser
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Drafts a user model from what a robot's own texts tell: goals, facts and words."""

@@ -1,0 +1,144 @@
+"""Patterns of goals: what one goal tells of its like, by exchanging its objects.
+
+A goal is lifted to variables over the types of its objects. What never changes and holds
+between them ("goes on", "belongs to") is asked of the others as well, so that few choices
+make no sense.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from mirror_explainer.listener.goals import parts_of
+from mirror_explainer.pddl import Task, goal_expression, words_of
+from mirror_explainer.pddl.atoms import effects_in
+
+# A pattern with more choices than this is cut into ones with fewer variables.
+MOST_CHOICES = 350
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Candidate goals of one form: `parts` and `where` have {variables}, of these types."""
+
+    parts: tuple[str, ...]
+    types: tuple[tuple[str, str], ...] = ()
+    where: tuple[str, ...] = ()
+
+    @property
+    def goal(self) -> str:
+        """The goal, as the user model takes it."""
+        return self.parts[0] if len(self.parts) == 1 else f'(and {" ".join(self.parts)})'
+
+
+@dataclass(frozen=True)
+class World:
+    """What of a task the patterns are made from."""
+
+    task: Task
+
+    @cached_property
+    def types(self) -> dict[str, str]:
+        """Each object's own type."""
+        return {
+            item.name.lower(): item.type.name if item.type.is_user_type() else 'object'
+            for item in self.task.model.all_objects
+        }
+
+    @cached_property
+    def of_type(self) -> dict[str, list[str]]:
+        """The objects of each type, those of its subtypes included."""
+        found: dict[str, list[str]] = {'object': list(self.types)}
+        for kind in self.task.model.user_types:
+            found[kind.name] = [item.name.lower() for item in self.task.model.objects(kind)]
+        return found
+
+    @cached_property
+    def static_facts(self) -> frozenset[str]:
+        """The initial facts that no action changes."""
+        changing = {
+            effect.fluent.fluent().name.lower()
+            for action in self.task.model.actions
+            for effect in effects_in(action)
+        }
+        return frozenset(f for f in self.task.initial_facts if words_of(f)[0] not in changing)
+
+    def parts(self, goal: str) -> tuple[str, ...]:
+        """Return a goal's parts as texts; raises InputError for what is no goal here."""
+        expression = goal_expression(self.task.model, goal)
+        return tuple(str(part) for part in parts_of(expression, self.task.model))
+
+    def lifted(self, parts: Sequence[str], fixed: Collection[str] = ()) -> Pattern:
+        """Return the pattern of a goal's parts, whose objects vary but for the fixed ones."""
+        names: dict[str, str] = {}
+        for part in parts:
+            for word in _words(part):
+                if word in self.types and word not in names and word not in fixed:
+                    kind = self.types[word]
+                    number = sum(self.types[other] == kind for other in names) + 1
+                    names[word] = f'{{{kind}}}' if number == 1 else f'{{{kind}{number}}}'
+        where = sorted(
+            _renamed(fact, names)
+            for fact in self.static_facts
+            if (objects := set(words_of(fact)[1:])) and objects <= names.keys()
+        )
+        types = tuple((name.strip('{}'), self.types[item]) for item, name in names.items())
+        return Pattern(tuple(_renamed(part, names) for part in parts), types, tuple(where))
+
+    def like(self, parts: Sequence[str]) -> list[Pattern]:
+        """Return patterns of goals like this one, each with a bounded number of choices.
+
+        All objects vary; or where that is too much, those of one type at a time, or each
+        by itself.
+        """
+        objects = [word for part in parts for word in _words(part) if word in self.types]
+        by_type = [{o for o in objects if self.types[o] == kind} for kind in self._kinds(objects)]
+        for groups in ([set(objects)], by_type, [{item} for item in dict.fromkeys(objects)]):
+            found = [self.lifted(parts, set(objects) - varying) for varying in groups]
+            if all(self.count(pattern) <= MOST_CHOICES for pattern in found):
+                return list(dict.fromkeys(found))
+        return [Pattern(tuple(parts))]
+
+    def _kinds(self, objects: Sequence[str]) -> list[str]:
+        return list(dict.fromkeys(self.types[item] for item in objects))
+
+    def count(self, pattern: Pattern) -> int:
+        """Return how many goals a pattern stands for, counted up to a little over the most."""
+        goals = set()
+        for goal in self.goals(pattern):
+            goals.add(frozenset(goal))
+            if len(goals) > MOST_CHOICES:
+                break
+        return len(goals)
+
+    def goals(self, pattern: Pattern) -> Iterator[tuple[str, ...]]:
+        """Yield the parts of each goal of a pattern; the same goal may come more than once."""
+
+        def choices(chosen: dict[str, str]) -> Iterator[tuple[str, ...]]:
+            if len(chosen) == len(pattern.types):
+                yield tuple(_renamed(part, chosen) for part in pattern.parts)
+                return
+            variable, kind = pattern.types[len(chosen)]
+            for item in self.of_type[kind]:
+                if item not in chosen.values():
+                    more = chosen | {f'{{{variable}}}': item}
+                    if self._possible(pattern.where, more):
+                        yield from choices(more)
+
+        yield from choices({})
+
+    def _possible(self, where: Sequence[str], chosen: Mapping[str, str]) -> bool:
+        """Say whether all conditions hold whose variables are chosen already."""
+        ground = (_renamed(condition, chosen) for condition in where)
+        return all('{' in condition or condition in self.static_facts for condition in ground)
+
+
+def _renamed(text: str, names: Mapping[str, str]) -> str:
+    """Return a text with its words replaced by the names they have there."""
+    renamed = ' '.join(names.get(word, word) for word in _words(text))
+    return renamed.replace('( ', '(').replace(' )', ')')
+
+
+def _words(text: str) -> list[str]:
+    """Return a text's words and brackets."""
+    return text.replace('(', ' ( ').replace(')', ' ) ').split()

@@ -1,0 +1,46 @@
+"""The words of a drafted user model: the readable defaults made explicit."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from mirror_explainer.listener.sentences import sentences_for
+from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.wording import Template, Wording
+from mirror_explainer.pddl import Task, words_of
+
+# With more objects than this only those of the robot's plan are named.
+MOST_OBJECTS = 60
+
+
+@dataclass(frozen=True)
+class Words:
+    """How things are said: sentences by action, and what objects are called.
+
+    The sentences of `unsure` are said better without being fixed.
+    """
+
+    sentences: Mapping[str, str]
+    unsure: Mapping[str, str]
+    objects: Mapping[str, str]
+
+
+def drafted_words(task: Task, plan: Sequence[str]) -> Words:
+    """Return how actions and objects are said now, as a user model would say the same.
+
+    A default sentence may know more than a template can, such as which of two lifts there
+    is at a place: where a step of the plan would sound otherwise it is kept apart.
+    """
+    default = sentences_for(task, UserModel(goals=()), plan)
+    objects = {name: known.called() for name, known in default.names.items()}
+    if len(objects) > MOST_OBJECTS:
+        used = {word for step in plan for word in words_of(step)[1:]}
+        objects = {name: called for name, called in objects.items() if name in used}
+    sentences = {name: readable.sentence for name, readable in default.defaults.items()}
+    templates = {name: Template(Wording(text)) for name, text in sentences.items()}
+    drafted = replace(default, templates=templates, objects=objects)
+    unsure = {words_of(step)[0] for step in plan if drafted.of(step) != default.of(step)}
+    return Words(
+        {name: text for name, text in sentences.items() if name not in unsure},
+        {name: text for name, text in sentences.items() if name in unsure},
+        objects,
+    )

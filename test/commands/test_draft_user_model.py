@@ -1,0 +1,133 @@
+"""A user model drafted from a robot's own texts: what is in it, and that it is taken as it is."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from mirror_explainer.commands.draft_user_model import main
+from mirror_explainer.commands.drafting.goals import MOST_CANDIDATES, candidates
+from mirror_explainer.commands.drafting.patterns import World
+from mirror_explainer.commands.verbalize import main as verbalize
+from mirror_explainer.listener.user_model import read_user_model
+from mirror_explainer.pddl import read_task
+
+# A robot that waters beds and empties bins, through gates that may be locked.
+DOMAIN = """(define (domain park) (:requirements :strips :typing :negative-preconditions)
+  (:types place gate - object bed bin - thing thing - object)
+  (:predicates (at ?p - place) (path ?a ?b - place) (gate-between ?g - gate ?a ?b - place)
+    (unlocked ?g - gate) (stands ?t - thing ?p - place) (watered ?b - bed) (emptied ?b - bin)
+    (tank-full) (pump-primed) (tap-at ?p - place))
+  (:action roll :parameters (?a ?b - place)
+    :precondition (and (at ?a) (path ?a ?b)) :effect (and (not (at ?a)) (at ?b)))
+  (:action pass :parameters (?g - gate ?a ?b - place)
+    :precondition (and (at ?a) (gate-between ?g ?a ?b) (unlocked ?g))
+    :effect (and (not (at ?a)) (at ?b)))
+  (:action fill-tank :parameters (?p - place)
+    :precondition (and (at ?p) (tap-at ?p)) :effect (tank-full))
+  (:action prime-pump :parameters () :precondition (tank-full) :effect (pump-primed))
+  (:action water :parameters (?b - bed ?p - place)
+    :precondition (and (at ?p) (stands ?b ?p) (tank-full) (pump-primed)) :effect (watered ?b))
+  (:action empty :parameters (?b - bin ?p - place)
+    :precondition (and (at ?p) (stands ?b ?p)) :effect (emptied ?b)))"""
+PROBLEM = """(define (problem morning) (:domain park)
+  (:objects shed lawn pond - place north_gate - gate roses lilies - bed red_bin - bin)
+  (:init (at shed) (path shed lawn) (path lawn shed) (path lawn pond) (path pond lawn)
+    (gate-between north_gate shed pond) (gate-between north_gate pond shed)
+    (unlocked north_gate) (tank-full) (tap-at lawn)
+    (stands roses pond) (stands lilies lawn) (stands red_bin lawn))
+  (:goal (and (watered roses) (emptied red_bin))))"""
+
+
+@pytest.fixture
+def park(tmp_path: Path) -> list[str]:
+    """The options that name the park robot's files."""
+    (tmp_path / 'domain.pddl').write_text(DOMAIN)
+    (tmp_path / 'problem.pddl').write_text(PROBLEM)
+    return ['--domain', f'{tmp_path}/domain.pddl', '--problem', f'{tmp_path}/problem.pddl']
+
+
+def drafted(options: list[str], folder: Path) -> tuple[str, dict]:
+    path = folder / 'draft.yaml'
+    assert main([*options, '--output', str(path)]) == 0
+    text = path.read_text()
+    return text, yaml.safe_load(text)
+
+
+def test_the_draft_is_taken_as_it_stands(park, tmp_path, capsys):
+    drafted(park, tmp_path)
+    answers = capsys.readouterr().out
+    assert verbalize([*park, '--user-model', f'{tmp_path}/draft.yaml', '-n', '2']) == 0
+    for sentence in capsys.readouterr().out.split('\n\n')[0].splitlines():
+        assert sentence in answers
+
+
+def test_facts_are_those_that_change_what_the_robot_does(park, tmp_path):
+    _, model = drafted(park, tmp_path)
+    facts = {entry['fact'] for entry in model['uncertain_facts']}
+    # With the gate locked it goes round by the lawn, with an empty tank to the tap, with a
+    # primed pump it has less to do. Without a path or a bed in its place there is no other way.
+    assert facts == {'(unlocked north_gate)', '(tank-full)', '(pump-primed)'}
+
+
+def test_goals_are_lifted_to_patterns_that_stand_for_their_like(park, tmp_path):
+    drafted(park, tmp_path)
+    task = read_task(DOMAIN, PROBLEM)
+    goals = {goal.goal for goal in read_user_model(tmp_path / 'draft.yaml', task).goals}
+    assert {'(and (watered lilies) (emptied red_bin))', '(watered lilies)'} <= goals
+
+
+def test_the_robots_plan_is_made_where_none_is_given_and_each_action_gets_a_sentence(
+    park, tmp_path
+):
+    _, model = drafted(park, tmp_path)
+    assert model['sentences']['water'] == 'I will water {b}.'
+    assert model['objects']['red_bin'] == 'the red bin'
+
+
+def test_goals_seen_come_by_their_frequency(park, tmp_path):
+    seen = tmp_path / 'seen.yaml'
+    seen.write_text('goals_seen:\n  (watered lilies): 7\n')
+    _, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
+    weights = {entry['goal']: entry['probability'] for entry in model['goals']}
+    assert weights['(watered lilies)'] == 7.0
+    assert weights['(and (watered roses) (emptied red_bin))'] == 1.0
+
+
+def test_a_file_of_goals_seen_that_is_broken_is_told(park, tmp_path, capsys):
+    seen = tmp_path / 'seen.yaml'
+    seen.write_text('goals_seen: [1, 2]')
+    assert main([*park, '--goals-seen', str(seen)]) == 2
+    error = capsys.readouterr().err
+    assert f'{seen}: this has no "goals_seen" with goals and whole numbers' in error
+
+
+def test_the_warehouses_draft_has_what_was_written_by_hand(warehouse, tmp_path):
+    options = ['--domain', f'{warehouse}/domain.pddl', '--problem', f'{warehouse}/problem.pddl']
+    text, model = drafted([*options, '--plan', f'{warehouse}/plan.txt'], tmp_path)
+    task = read_task(
+        (warehouse / 'domain.pddl').read_text(), (warehouse / 'problem.pddl').read_text()
+    )
+    by_hand = read_user_model(warehouse / 'visitor.yaml', task)
+    operator = read_user_model(warehouse / 'user_model.yaml', task)
+    goals = {goal.goal for goal in read_user_model(tmp_path / 'draft.yaml', task).goals}
+    assert {entry['fact'] for entry in model['uncertain_facts']} == set(by_hand.uncertain_facts)
+    assert all(fact in text for group in by_hand.one_of for fact in group)
+    assert {goal.goal for goal in operator.goals} <= goals
+
+
+def test_what_would_be_too_many_candidates_is_left_out_as_a_comment():
+    places = ' '.join(f'p{n}' for n in range(40))
+    domain = """(define (domain post) (:requirements :strips :typing) (:types place letter)
+      (:predicates (at ?l - letter ?p - place)) (:action bring :parameters (?l - letter ?p - place)
+      :effect (at ?l ?p)))"""
+    letters = ' '.join(f'l{n}' for n in range(40))
+    task = read_task(
+        domain,
+        f"""(define (problem p) (:domain post) (:objects {places} - place {letters} - letter)
+        (:init) (:goal (and (at l0 p0) (at l1 p1) (at l2 p2))))""",
+    )
+    world = World(task)
+    found = candidates(world, world.parts(task.goal_text), {})
+    taken = [candidate for candidate in found if candidate.taken]
+    assert 0 < sum(candidate.count for candidate in taken) <= MOST_CANDIDATES

@@ -1,0 +1,111 @@
+"""Entries of the user model that stand for one for each choice of objects."""
+
+from pathlib import Path
+
+import pytest
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.user_model import read_user_model
+from mirror_explainer.pddl import read_task
+
+DOMAIN = """(define (domain gallery) (:requirements :strips :typing)
+  (:types room thing - object painting statue - thing)
+  (:predicates (in ?t - thing ?r - room) (lit ?r - room) (shown ?t - thing ?r - room))
+  (:action show :parameters (?t - thing ?r - room)
+    :precondition (and (in ?t ?r) (lit ?r)) :effect (shown ?t ?r)))"""
+PROBLEM = """(define (problem tour) (:domain gallery)
+  (:objects east west - room dawn dusk - painting faun - statue)
+  (:init (in dawn east) (in dusk west) (in faun west) (lit west))
+  (:goal (shown faun west)))"""
+
+
+@pytest.fixture
+def read(model_file):
+    task = read_task(DOMAIN, PROBLEM)
+    return lambda text, **how: read_user_model(model_file(text), task, **how)
+
+
+def test_a_pattern_stands_for_a_goal_for_each_choice_of_objects_subtypes_included(read):
+    model = read('goals: [{goal: "(shown {t} {r})", for: {t: thing, r: room}, name: "{t}, {r}"}]')
+    assert [goal.name for goal in model.goals] == [
+        'dawn, east', 'dawn, west', 'dusk, east', 'dusk, west', 'faun, east', 'faun, west',
+    ]  # fmt: skip
+    assert model.goals[3].goal == '(shown dusk west)'
+
+
+def test_a_patterns_probability_is_shared_equally(read):
+    model = read("""goals:
+      - {goal: "(shown {p} east)", for: {p: painting}, probability: 3}
+      - {goal: (shown faun west), probability: 1}""")
+    # 3 of 4 for two goals, 1 of 4 for one
+    assert [goal.probability for goal in model.goals] == [0.375, 0.375, 0.25]
+
+
+def test_variables_are_different_objects_and_equal_goals_count_once(read):
+    model = read("""goals:
+      - goal: "(and (shown {a} west) (shown {b} west))"
+        for: {a: thing, b: thing}""")
+    # 3 pairs of 3 things, whichever comes first
+    assert len(model.goals) == 3
+
+
+def test_where_asks_for_what_holds_initially(read):
+    model = read("""goals:
+      - goal: "(shown {t} {r})"
+        for: {t: thing, r: room}
+        where: (and (in {t} {r}) (or (lit {r}) (in dawn {r})) (not (in faun {r})))""")
+    assert [goal.goal for goal in model.goals] == ['(shown dawn east)']
+
+
+def test_what_two_patterns_stand_for_is_one_goal_with_both_shares(read):
+    model = read("""goals:
+      - {goal: "(shown {t} west)", for: {t: thing}, probability: 3}
+      - {goal: "(shown {s} west)", for: {s: statue}, probability: 1}""")
+    shares = {goal.goal: goal.probability for goal in model.goals}
+    assert shares['(shown faun west)'] == 0.5  # 3/3 of the first and 1 of the second, of 4
+
+
+def test_facts_and_groups_may_have_patterns(read):
+    model = read("""goals: [{goal: (shown faun west)}]
+uncertain_facts: [{fact: "(lit {r})", for: {r: room}, probability: 0.5}]
+one_of: [{facts: "(in faun {r})", for: {r: room}}]""")
+    assert model.uncertain_facts == {'(lit east)': 0.5, '(lit west)': 0.5}
+    assert model.one_of == ({'(in faun east)': 0.5, '(in faun west)': 0.5},)
+
+
+@pytest.mark.parametrize(
+    ('entry', 'expected'),
+    [
+        (
+            '{goal: "(shown {t} west)", for: {t: thinh}}',
+            'line 1: .* no type "thinh" .did you mean',
+        ),
+        ('{goal: "(shown {s} west)", for: {t: thing}}', '"for" has no variable "s"'),
+        ('{goal: "(shown {t} {t})", for: {t: thing}}', 'goal: .*shown'),
+        ('{goal: "(shown {t} west)", for: {t: thing}, where: "(dark {t})"}', 'where: .*dark'),
+        ('{goal: "(shown {t} west)", for: {t: thing}, where: "(lit east)"}', 'no choice of obj'),
+        ('{goal: "(shown {t} west)", for: [t]}', 'a type for each variable'),
+    ],
+)
+def test_faults_of_a_pattern_are_told(read, entry, expected):
+    with pytest.raises(InputError, match=expected):
+        read(f'goals: [{entry}]')
+
+
+def test_more_goals_than_the_limit_are_refused(read):
+    with pytest.raises(InputError, match='max_goals'):
+        read(
+            'goals: [{goal: "(shown {t} {r})", for: {t: thing, r: room}}]',
+            limits=InputLimits(max_goals=5),
+        )
+
+
+def test_a_pattern_with_too_many_choices_is_refused(model_file, tmp_path: Path):
+    things = ' '.join(f'p{n}' for n in range(60))
+    task = read_task(DOMAIN, PROBLEM.replace('dawn dusk', f'dawn dusk {things}'))
+    text = """goals:
+  - goal: "(and (shown {a} east) (shown {b} east) (shown {c} east))"
+    for: {a: thing, b: thing, c: thing}"""
+    with pytest.raises(InputError, match='choices: narrow them by "where"'):
+        read_user_model(model_file(text), task)
