@@ -23,8 +23,6 @@ from mirror_explainer.planning import Planner
 # Each call that waits holds a thread of whoever calls. More than these are answered at once.
 MOST_WAITING_CALLS = 56
 
-_NOT_READY = 'the explanation is not ready yet'
-
 _log = logging.getLogger(__name__)
 
 
@@ -65,7 +63,8 @@ class LiveExplainer:
         self._history = History()
         self._waiting = threading.Semaphore(MOST_WAITING_CALLS)
         self._answers = Answers(publish)
-        self._updates = Updates(Maker(self._make_planner), self._on_done)
+        self._maker = Maker(self._make_planner)
+        self._updates = Updates(self._maker, self._on_done)
         self.configure(configuration)
 
     def configure(self, configuration: Configuration) -> None:
@@ -107,7 +106,7 @@ class LiveExplainer:
         with self._lock:
             seconds = time.perf_counter() - started
             self._history = self._history.after_call(reply.success, seconds)
-        _log.debug('call: %s', 'answered' if reply.success else reply.message)
+        _log.debug('call: %s', reply.message)
         return replace(reply, message=printable(reply.message))
 
     def forget(self) -> int:
@@ -165,9 +164,9 @@ class LiveExplainer:
         else:
             readiness = self._updates.readiness
         if readiness.preparation is None:
-            is_early = readiness.phase is Phase.PLANNING
-            message = f'{_NOT_READY}: {readiness.message}' if is_early else readiness.message
-            return Reply(False, message)
+            if readiness.phase is Phase.PLANNING:  # the texts are still being read
+                return Reply(False, self._maker.phrases.not_ready)
+            return Reply(False, readiness.spoken or readiness.message)
         text = self._answers.give(
             readiness.preparation,
             readiness.number,
@@ -175,5 +174,5 @@ class LiveExplainer:
             configuration.node.remember,
         )
         if text is None:
-            return Reply(False, f'{_NOT_READY}: other calls are answered first')
+            return Reply(False, self._maker.phrases.not_ready)
         return Reply(True, text)

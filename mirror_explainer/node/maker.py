@@ -10,6 +10,7 @@ from functools import partial
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.preparation import Preparation, prepare, refine
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.inputs import Inputs, Text
@@ -35,11 +36,13 @@ class Maker:
     """Makes the explainer ready to answer about inputs, one at a time.
 
     `make_planner` is called once it is needed, and again after planning failed.
-    `files` knows the files that were read. `close` may come from any thread.
+    `files` knows the files that were read, `phrases` are those of the user model read
+    last. `close` may come from any thread.
     """
 
     def __init__(self, make_planner: Callable[[], Planner]) -> None:
         self.files = TextFiles()
+        self.phrases = Phrases()
         self._make_planner = make_planner
         self._planner: Planner | None = None
         self._planner_lock = threading.Lock()
@@ -83,7 +86,8 @@ class Maker:
             failed = preparation.failed_beliefs > 0
             return Readiness(Phase.READY, 'ready', preparation, may_pass=failed)
         except NoPlanError as error:
-            return Readiness(Phase.WAITING, str(error), cure=error.cure)
+            spoken = self.phrases.no_plan
+            return Readiness(Phase.WAITING, str(error), cure=error.cure, spoken=spoken)
         except InputError as error:
             cure = error.cure or _CORRECT
             return Readiness(Phase.ERROR, str(error), cure=cure, blamed=error.source)
@@ -107,9 +111,11 @@ class Maker:
         domain = inputs.domain or Text(read_file(inputs.domain_file), inputs.domain_file)
         task = self._read(domain, inputs.problem, limits)
         stop.check()
+        user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
+        self.phrases = user_model.phrases
+        stop.check()
         plan = robot_plan(task, inputs.plan.text, inputs.plan.source, limits)
         stop.check()
-        user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
         preparation = prepare(task, plan, user_model, inputs.planning)
         seconds = replace(preparation.seconds, read=time.perf_counter() - started)
         return replace(preparation, seconds=seconds, inputs=self._as_read(inputs).digest)

@@ -26,7 +26,7 @@ class Readiness:
     `inputs` are those that it is about, the `number`-th that were submitted; `cure` says
     what a person can do about it. `since` is when it came to be so. `blamed` is the file or
     topic of a wrong input; `may_pass` says that the inputs are not to blame, so that another
-    attempt may go better.
+    attempt may go better. `spoken` is what a person hears of it instead of the message.
     """
 
     phase: Phase
@@ -37,6 +37,7 @@ class Readiness:
     since: Moment = field(default_factory=Moment)
     blamed: str = ''
     may_pass: bool = False
+    spoken: str = ''
     number: int = 0
 
     @property

@@ -12,7 +12,9 @@ from rclpy.duration import Duration
 from ros_peer import LATCHED, Peer
 from std_msgs.msg import String
 
-NOT_READY = 'the explanation is not ready yet'
+from mirror_explainer.listener.phrases import Phrases
+
+NOT_READY = Phrases.not_ready
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ def judge(calls: Calls, times: Times, right: RightAnswers) -> Verdict:
 
 def _kind(answer: Answer, times: Times, right: RightAnswers) -> str:
     if not answer.success:
-        return 'not_ready' if answer.message.startswith(NOT_READY) else 'wrong'
+        return 'not_ready' if answer.message == NOT_READY else 'wrong'
     number = number_in(answer.message)
     surely_heard = bisect.bisect_right(times.heard, answer.began) - 1
     newest = bisect.bisect_right(times.published, answer.ended) - 1

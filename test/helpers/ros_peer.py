@@ -92,11 +92,12 @@ class Peer:
         for publisher in self._publishers.values():
             assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
 
-    def publish_warehouse(self, comment: str = '', **how: bool) -> None:
-        """Publish domain, problem and plan; with a new comment they are new ones."""
+    def publish_warehouse(self, thing: str = '', **how: bool) -> None:
+        """Publish domain, problem and plan; with another unused thing about they are new ones."""
         self.publish('domain', DOMAIN, **how)
-        self.publish('problem', PROBLEM + comment, **how)
-        self.publish('plan', PLAN + comment, **how)
+        problem = PROBLEM.replace('red_cube blue_cube', f'red_cube {thing} blue_cube')
+        self.publish('problem', problem, **how)
+        self.publish('plan', f'{PLAN}; {thing}', **how)
 
     def start_call(self, service: str = 'verbalize_plan') -> 'Call':
         if service not in self._clients:

@@ -69,7 +69,7 @@ def test_a_disk_that_fills_up_keeps_nobody_from_an_answer(
         peer.publish('plan', 'nonsense')
         failure = peer.failure('nonsense')
         kill_planning_processes(node)
-        peer.publish_warehouse(comment='; again')
+        peer.publish_warehouse('another_cube')
         answer = peer.answer()
     fault_table.add('disk full: temporary files, log', 'the answer', 'OK', None)
 
@@ -89,7 +89,7 @@ def test_a_temporary_folder_that_is_gone_is_told_when_a_process_has_to_be_starte
         def inject() -> None:
             shutil.rmtree(folder)
             kill_planning_processes(node)
-            peer.publish_warehouse(comment='; again')
+            peer.publish_warehouse('another_cube')
 
         _, answer = injected(
             fault_table,

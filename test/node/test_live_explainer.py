@@ -183,7 +183,6 @@ BAD_INPUTS = {
     'a plan on the problem topic': ('problem', PLAN, 'must begin with (define (problem'),
     'a domain on the problem topic': ('problem', DOMAIN, 'a problem is expected here'),
     'an empty problem': ('problem', '', 'the text is empty'),
-    'an empty plan': ('plan', '', 'no current plan'),
     'an empty domain': ('domain', ' \n', 'the text is empty'),
     'noise': ('plan', 'x y\n' * 100_000, '/plan, line 1: this is no action'),
     'noise in place of PDDL': ('problem', '\x7f(§' * 100_000, '/problem'),
@@ -208,10 +207,33 @@ def test_bad_input_is_told_by_calls_and_diagnostics_until_good_input_comes(
     assert expected in reason
     assert '\n' not in reason
     assert diagnosis.message == reason
-    assert diagnosis.level is (Level.WARN if what == 'an empty plan' else Level.ERROR)
+    assert diagnosis.level is Level.ERROR
     assert served.answer() == THREE_SENTENCES
     healed = served.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
     assert (healed.level, healed.message) == (Level.OK, 'ready')
+
+
+def test_a_robot_without_a_plan_says_so_in_the_user_models_words_and_diagnostics_in_theirs(
+    served, model_file
+) -> None:
+    words = Path(USER_MODEL).read_text() + '\nphrases: {no_plan: I wait for orders.}\n'
+    served.publish(plan='')
+    by_default = served.refusal()
+    served.set(user_model_file=str(model_file(words)))
+    in_own_words = served.refusal()
+    diagnosis = served.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+
+    assert by_default == 'I have nothing to do right now.'
+    assert in_own_words == 'I wait for orders.'
+    assert diagnosis.level is Level.WARN
+    assert diagnosis.message == '/plan: the robot has no current plan'
+
+
+def test_a_call_before_the_texts_are_read_is_asked_to_come_again(served) -> None:
+    served.set(answer_timeout=0.0)
+    served.publish(plan=PLAN + '; again')
+
+    assert served.refusal() == 'I do not know yet. Please ask me again in a moment.'
 
 
 def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(

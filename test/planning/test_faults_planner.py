@@ -107,7 +107,7 @@ _numbers = itertools.count()
 
 def replan(peer: Peer) -> None:
     """Publish a problem and a plan that must be planned for anew."""
-    peer.publish_warehouse(comment=f'; {next(_numbers)}')
+    peer.publish_warehouse(f'unused_{next(_numbers)}')
 
 
 @pytest.mark.parametrize('what', HEARD)
