@@ -16,6 +16,7 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.listeners import LISTENERS, OPEN, Listener
 from mirror_explainer.listener.patterns import written_out
 from mirror_explainer.listener.phrases import Phrases
+from mirror_explainer.listener.slips import slips
 from mirror_explainer.listener.user_model_checks import (
     atoms,
     candidate_goals,
@@ -97,7 +98,10 @@ def read_user_model(
         file: UserModelFile | None = UserModelFile.model_validate(data)
     except ValidationError as error:
         file = None
-        faults += map(plain.placed, map(schema_fault, error.errors()))
+        slipped = [*slips(values)]
+        told = {fault.path[:2] for fault in slipped}
+        others = map(plain.placed, map(schema_fault, error.errors()))
+        faults += [*slipped, *(fault for fault in others if fault.path[:2] not in told)]
     goals, goal_faults = candidate_goals(data, Path(path), task, read)
     if limits:
         limits.require('max_goals', len(goals), 'its goals', source)

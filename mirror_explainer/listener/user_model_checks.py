@@ -67,10 +67,15 @@ def _listed(goals: Sequence[Any]) -> Iterator[_Candidate]:
 
 
 def _lines_of(hypotheses: Path, read: Callable[[str], str]) -> Iterator[_Candidate]:
-    """Yield the candidates of a PUCRS file: one a line, atoms separated by commas."""
+    """Yield the candidates of a PUCRS file: one a line, atoms with commas or blanks between.
+
+    A name may follow after a semicolon.
+    """
     for number, line in enumerate(read(str(hypotheses)).split('\n'), start=1):
-        if line.strip():
-            entry = GoalEntry(goal=f'(and {line.replace(",", " ")})', name=line.strip())
+        atoms, _, name = line.partition(';')
+        if atoms.strip():
+            goal = f'(and {atoms.replace(",", " ")})'
+            entry = GoalEntry(goal=goal, name=name.strip() or atoms.strip())
             where = f'{hypotheses.name}, line {number}: '
             yield _Candidate(('hyps_file',), entry.goal, entry, where)
 
@@ -118,7 +123,8 @@ def fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[Fault]:
             try:
                 fluent = fluent_expression(task.model, atom).fluent()
             except InputError as error:
-                yield Fault(path, error.reason)
+                bare = not atom.strip().startswith('(')
+                yield Fault(path, f'write {canonical(atom)}' if bare else error.reason)
             else:
                 if task.axioms and fluent.name in task.axioms.names:
                     reason = f'{atom} is derived from other facts: name those that are uncertain'

@@ -163,7 +163,7 @@ FAULTS = {
     'goals left blank': ('goals:', 1, 'goals: this should be a list'),
     'an empty list of goals': ('goals: []', 1, 'goals: there is nothing in it'),
     'a text for goals': ('goals: (charged)', 1, 'goals: this should be a list'),
-    'a text for a goal': ('goals: [(charged)]', 1, 'goals[0]: this should be a mapping'),
+    'a text for a goal': ('goals: [(charged)]', 1, 'goals[0]: write {goal: "(charged)"} here'),
     'a goal without goal': ('goals: [{name: x}]', 1, 'goals[0].goal: this key is missing'),
     'a blank goal': ('goals: [{goal: " "}]', 1, 'goals[0].goal: this text is blank'),
     'hyps_file left blank': ('hyps_file:', 1, 'hyps_file: this should be a valid string'),
