@@ -8,7 +8,7 @@ and unforeseen ones (g, ∗), which only have the ends of a goal (method, sectio
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -298,38 +298,38 @@ def mirror_model(
     own_result = results.get(prior.beliefs[prior.robot_belief], _NOT_YET)
     ratios = Ratios(listener, way, prior.robot_goal, sentence_of, own_result.plans)
     mu, omega = listener.unforeseen, listener.partial_goals
-    foreseen: list[Hypothesis] = []
+    judged = [
+        (belief, mass, results.get(belief, _NOT_YET))
+        for belief, mass in zip(prior.beliefs, prior.probabilities, strict=True)
+    ]
+    robot_belief = prior.beliefs[prior.robot_belief]
+    planned = math.fsum(m for _, m, result in judged if result.status is not Status.UNKNOWN)
+    unsolvable = math.fsum(
+        mass
+        for belief, mass, result in judged
+        if result.status is Status.UNSOLVABLE and belief != robot_belief
+    )
+    everything = math.fsum(prior.goal_masses)
+    scale = 1.0 / (everything - unsolvable)
     # The mass of each goal's unforeseen ways: their μ-share, and what was not planned for.
-    shares, unplanned = [np.zeros(len(prior.goals)) for _ in range(2)]
-    not_enumerated = np.array(prior.goal_masses)
-    planned = unsolvable = 0.0
+    not_enumerated = _not_enumerated(prior)
+    shares, unplanned = mu * not_enumerated, (1 - mu) * not_enumerated
+    foreseen: list[Hypothesis] = []
     robot = -1
-    for index, (belief, mass) in enumerate(zip(prior.beliefs, prior.probabilities, strict=True)):
+    for index, (belief, mass, result) in enumerate(judged):
         if index % 256 == 0:
             stop()
-        result = results.get(belief, _NOT_YET)
-        is_robot = index == prior.robot_belief
-        not_enumerated[belief.goal] -= mass
-        planned += mass * (result.status is not Status.UNKNOWN)
-        if result.status is Status.UNSOLVABLE and not is_robot:
-            unsolvable += mass
-            continue
-        plans = result.plans
-        if is_robot:
+        plans: Sequence[Plan] = result.plans
+        if belief == robot_belief:
             plans = _with_robot_plan(way.plan, plans, one_plan)
-        robot = len(foreseen) if is_robot else robot
-        foreseen += [
-            Hypothesis(
-                belief.goal, (1 - mu) * mass * p, ratios.of_plan(plan.actions), plan, belief
-            )
-            for plan, p in zip(plans, plan_probabilities(plans, rationality), strict=True)
-        ]
+            robot = len(foreseen)
+        elif result.status is Status.UNSOLVABLE:
+            continue
+        for plan, share in zip(plans, plan_probabilities(plans, rationality), strict=True):
+            weight, row = (1 - mu) * mass * share * scale, ratios.of_plan(plan.actions)
+            foreseen.append(Hypothesis(belief.goal, weight, row, plan, belief))
         shares[belief.goal] += mu * mass
         unplanned[belief.goal] += 0.0 if plans else (1 - mu) * mass
-    # Sums of floats leave something where there is nothing.
-    not_enumerated[not_enumerated < _ROUNDING * np.array(prior.goal_masses)] = 0.0
-    shares += mu * not_enumerated
-    unplanned += (1 - mu) * not_enumerated
 
     means = _means(foreseen, prior.robot_goal, ratios)
     unforeseen: list[Hypothesis] = []
@@ -340,13 +340,11 @@ def mirror_model(
             *[lent / max(1, len(partial))] * len(partial),
         ]
         unforeseen += [
-            Hypothesis(goal, float(mass), ratios.of_aim(aim, means), aim=aim)
+            Hypothesis(goal, float(mass * scale), ratios.of_aim(aim, means), aim=aim)
             for aim, mass in zip((whole, *partial), masses, strict=True)
             if mass > 0.0
         ]
-    hypotheses = [*foreseen, *unforeseen]
-    total = math.fsum(hypothesis.probability for hypothesis in hypotheses)
-    share = planned / math.fsum(prior.goal_masses)
+    share = planned / everything
     cut = [result.cut for result in results.values() if result.cut]
     return MirrorModel(
         listener=listener,
@@ -354,7 +352,7 @@ def mirror_model(
         facts=prior.facts,
         way=way,
         told=ratios.told,
-        hypotheses=tuple(replace(h, probability=h.probability / total) for h in hypotheses),
+        hypotheses=(*foreseen, *unforeseen),
         robot=robot,
         ratios=ratios.rows,
         covered=prior.covered_mass,
@@ -365,8 +363,16 @@ def mirror_model(
     )
 
 
-_ROUNDING = 1e-9
+_ROUNDING = 1e-9  # of a share: sums of floats leave something where there is nothing
 _NOT_YET = BeliefPlans(Status.UNKNOWN, reason='not planned for yet')
+
+
+def _not_enumerated(prior: Prior) -> Floats:
+    """The mass of each goal's beliefs that are not among those enumerated, shape (goals,)."""
+    masses = np.array(prior.goal_masses)
+    goals = [belief.goal for belief in prior.beliefs]
+    left = masses - np.bincount(goals, prior.probabilities, len(masses))
+    return np.where(left > _ROUNDING * masses, left, 0.0)
 
 
 def plan_probabilities(plans: Sequence[Plan], rationality: float) -> list[float]:

@@ -13,6 +13,8 @@ from mirror_explainer.planning import Plan
 
 Floats = NDArray[np.float64]
 
+_VALUES = -1  # in place of a plan's length, for a row that is given by its values
+
 
 class Ratios:
     """The different rows of ratios, one value for each of the sentences told of π_R.
@@ -38,8 +40,9 @@ class Ratios:
         self._share = np.array([counts[s] for s in self.told]) / max(1, len(way.sentences))
         self._columns_of: dict[str, int | None] = {}
         self._row_of_plan: dict[tuple[str, ...], int] = {}
-        self._row_of_values: dict[bytes, int] = {}
-        self._rows: list[Floats] = []
+        # Rows by what they are made from: how often a plan has each sentence and how long it
+        # is, or the values themselves.
+        self._rows: dict[tuple[bytes, int], int] = {}
         self._own_ends = self._ends(way.aims[goal][0])
         ends = {column for aims in way.aims for column in self._ends(aims[0])}
         self._means = [column for column in range(len(self.told)) if column not in ends]
@@ -54,16 +57,24 @@ class Ratios:
         a means of π_R that is in no plan found for b_R: not even who believes what the
         robot does foresees it, so it tells nothing of what they believe.
         """
-        if actions not in self._row_of_plan:
-            counts = Counter(column for a in actions if (column := self._column_of(a)) is not None)
-            row = np.zeros(len(self.told))
-            if self._open:
-                row[[*counts, *self._needless]] = 1.0
-            elif actions:
-                row[list(counts)] = [*counts.values()]
-                row /= len(actions) * self._share
-            self._row_of_plan[actions] = self._row(row)
-        return self._row_of_plan[actions]
+        row = self._row_of_plan.get(actions)
+        if row is None:
+            counts = self._counts(actions)
+            row = self._row_of_plan[actions] = self._row(counts, 0 if self._open else len(actions))
+        return row
+
+    def _counts(self, actions: tuple[str, ...]) -> bytes:
+        """How often a way has each sentence; to the open listener, whether it has it."""
+        counts = [0] * len(self.told)
+        for action in actions:
+            column = self._column_of(action)
+            if column is not None:
+                counts[column] += 1
+        if self._open:
+            for column in self._needless:
+                counts[column] = 1
+            return bytes(map(bool, counts))
+        return np.array(counts, dtype=np.uint32).tobytes()
 
     def of_aim(self, aim: Aim, means: Floats) -> int:
         """Return the row of an unforeseen way: κ of the method, section 1.
@@ -77,12 +88,24 @@ class Ratios:
             row[self._means] = means[self._means]
         row[list(self._own_ends - ends)] = self._delta
         row[list(ends - self._own_ends)] = 1.0 / self._delta
-        return self._row(row)
+        return self._row(row.tobytes(), _VALUES)
 
     @property
     def rows(self) -> Floats:
         """All rows, shape (R, T)."""
-        return np.array(self._rows).reshape(len(self._rows), len(self.told))
+        rows = np.empty((len(self._rows), len(self.told)))
+        kinds = np.array([length for _, length in self._rows])
+        for values, of_kind, dtype in (
+            (True, kinds == _VALUES, np.float64),
+            (False, kinds != _VALUES, np.uint8 if self._open else np.uint32),
+        ):
+            texts = [text for text, length in self._rows if (length == _VALUES) is values]
+            rows[of_kind] = np.frombuffer(b''.join(texts), dtype).reshape(-1, len(self.told))
+        if not self._open:
+            lengths = np.where(kinds == _VALUES, 1, kinds)
+            scale = np.where(kinds[:, None] == _VALUES, 1.0, self._share)
+            rows /= np.maximum(lengths, 1)[:, None] * scale
+        return rows
 
     def _ends(self, aim: Aim) -> frozenset[int]:
         return frozenset(self._column[self._sentences[position]] for position in aim.ends.values())
@@ -92,9 +115,5 @@ class Ratios:
             self._columns_of[action] = self._column.get(self._sentence_of(action))
         return self._columns_of[action]
 
-    def _row(self, row: Floats) -> int:
-        values = row.tobytes()
-        if values not in self._row_of_values:
-            self._row_of_values[values] = len(self._rows)
-            self._rows.append(row)
-        return self._row_of_values[values]
+    def _row(self, text: bytes, length: int) -> int:
+        return self._rows.setdefault((text, length), len(self._rows))
