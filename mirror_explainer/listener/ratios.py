@@ -94,6 +94,8 @@ class Ratios:
     def rows(self) -> Floats:
         """All rows, shape (R, T)."""
         rows = np.empty((len(self._rows), len(self.told)))
+        if not self.told:
+            return rows
         kinds = np.array([length for _, length in self._rows])
         for values, of_kind, dtype in (
             (True, kinds == _VALUES, np.float64),

@@ -40,9 +40,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     unit = _seconds_to_import_numpy()
     print(f'unit: importing numpy, {unit:.2f} s')
     print(
-        '| instance | rows | building, s (units) | choosing, s (units) | gain, nats | gap, nats |'
+        '| instance | rows | building | choosing | in seconds | gain, nats | gap, nats |'
     )
-    print('|--:|--:|--:|--:|--:|--:|')
+    print('|--:|--:|--:|--:|--:|--:|--:|')
     wide = 0
     for seed in range(options.instances):
         drawn = instance(seed, options.hypotheses)
