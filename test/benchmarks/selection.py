@@ -39,9 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     unit = _seconds_to_import_numpy()
     print(f'unit: importing numpy, {unit:.2f} s')
-    print(
-        '| instance | rows | building | choosing | in seconds | gain, nats | gap, nats |'
-    )
+    print('| instance | rows | building | choosing | in seconds | gain, nats | gap, nats |')
     print('|--:|--:|--:|--:|--:|--:|--:|')
     wide = 0
     for seed in range(options.instances):
