@@ -10,18 +10,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
-from mirror_explainer.planning.downward.flagged_task import (
-    DOWN,
-    UP,
-    flagged,
-    useful,
-    with_positive_costs,
-)
+from mirror_explainer.planning.downward.flagged_task import DOWN, flagged, with_positive_costs
 from mirror_explainer.planning.downward.ground_task import GroundTask
 from mirror_explainer.planning.downward.optimal_plans import OptimalPlans, optimal_plans
-from mirror_explainer.planning.downward.program import OPTIMAL
-from mirror_explainer.planning.downward.subject import Finding
+from mirror_explainer.planning.downward.portfolio import PLAIN, Portfolio
+from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
+from mirror_explainer.planning.downward.what_matters import GoalTask
 
 
 @dataclass(eq=False)
@@ -80,14 +75,13 @@ class Alternatives:
 
     required = False
     provisional = False
-    # Most of these searches succeed, and LM-cut alone is the quicker one then.
-    first_try = 1.0
 
     def __init__(self, walk: SupersetWalk, task: GroundTask, most: int) -> None:
         self._walk = walk
         self._task = task
+        self._goal_tasks: dict[int, GoalTask] = {}
         self._most = most
-        self._useful_for: dict[int, GroundTask] = {}
+        self._portfolio = Portfolio(PLAIN)
         self._cost_of = {operator.name: operator.cost for operator in task.operators}
         self._free_actions = task is not walk.task
         found = {node: Alternative(node, plan) for node, plan in walk.optimal() if plan}
@@ -112,12 +106,14 @@ class Alternatives:
         subject.seen = set.intersection(*(parent.seen for parent in parents))
         return Finding(None)
 
-    def search_input(self, subject: Alternative) -> tuple[bytes, tuple[str, ...]]:
-        """Return the input of a search for an optimal plan with an operator not seen yet."""
-        state, goal = subject.node.state, self._walk.goal(subject.node)
-        variables = len(state)
-        task = flagged(self._useful(subject.node), variables, subject.seen)
-        return task.text((*state, DOWN), (*goal, (variables, UP))), OPTIMAL
+    def search_input(self, subject: Alternative) -> SearchInput:
+        """Return a search for an optimal plan with an operator not seen yet."""
+        node = subject.node
+        if node.goal not in self._goal_tasks:
+            self._goal_tasks[node.goal] = GoalTask(self._task, self._walk.goal(node))
+        whole, state = self._goal_tasks[node.goal].from_here(node.state)
+        task = flagged(whole, subject.seen)
+        return SearchInput(task.text((*state, DOWN)), self._portfolio, task.states)
 
     def checked(self, subject: Alternative, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the actions if they reach the goal, None otherwise."""
@@ -168,12 +164,6 @@ class Alternatives:
                 if all(self._walk.checked(subject.node, plan) for plan in plans):
                     return parent.result
         return None
-
-    def _useful(self, node: Node) -> GroundTask:
-        """Return the task with the operators that can be in an optimal plan for a goal."""
-        if node.goal not in self._useful_for:
-            self._useful_for[node.goal] = useful(self._task, self._walk.goal(node))
-        return self._useful_for[node.goal]
 
     def _is_optimal(self, subject: Alternative, plan: Sequence[str]) -> bool:
         return subject.cost is None or self._cost(plan) == subject.cost

@@ -16,16 +16,6 @@ from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Status
 from mirror_explainer.planning.processes.confinement import limit_search
 
-# Optimal searches, to be tried in this order: LM-cut is mostly done at once, but it can take
-# minutes to find that there is no plan; the abstraction costs a little time, and saves these.
-OPTIMAL = (
-    'astar(lmcut(),pruning=stubborn_sets_simple())',
-    'astar(max([lmcut(),cegar(max_time=0.1)]),pruning=stubborn_sets_simple())',
-)
-# What is optimal, too, with conditional effects, and with axioms.
-OPTIMAL_CONDITIONAL = ('astar(hmax())',)
-OPTIMAL_AXIOMS = ('astar(blind())',)
-
 # https://www.fast-downward.org/latest/documentation/exit-codes/
 _SOLVED = (0, 1, 2, 3)
 _UNSOLVABLE = (10, 11)
@@ -34,23 +24,28 @@ _OUT_OF_MEMORY = (20, 22, 24)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a search found: `actions` when SOLVED; `reason` when UNKNOWN, which may be a crash."""
+    """What a search found: `actions` when SOLVED; `reason` when UNKNOWN, which may be a crash.
+
+    It took so many `seconds` of processor time.
+    """
 
     status: Status
     actions: tuple[str, ...] = ()
     reason: str = ''
     crashed: bool = False
+    seconds: float = 0.0
 
 
 class Search:
     """A running search. Its `fileno` is readable once it has ended.
 
-    Whoever starts it ends it after `seconds`; if nobody is left to do so, the
-    kernel does, a little later. Raises OSError when it does not start.
+    Whoever starts it ends it once it has `used` so many seconds of its processor time; if
+    nobody is left to do so, the kernel does, a little later. Raises OSError when it
+    does not start.
     """
 
     def __init__(self, binary: str, task: bytes, configuration: str, seconds: float) -> None:
-        self.since = time.monotonic()
+        self.since, self.seconds = time.monotonic(), seconds
         with contextlib.ExitStack() as on_failure, contextlib.ExitStack() as in_the_end:
 
             def closed(stack: contextlib.ExitStack, descriptor: int) -> int:
@@ -81,8 +76,17 @@ class Search:
         """Return a descriptor that becomes readable when the process ends."""
         return self._end
 
+    def used(self) -> float:
+        """Return the seconds of processor time that it has taken."""
+        try:
+            # The clock of a process, as clock_getcpuclockid(3) makes it of its id.
+            return time.clock_gettime(~self._process.pid << 3 | 2)
+        except OSError:  # it has ended
+            return 0.0
+
     def outcome(self) -> Outcome:
         """Return what the ended search found."""
+        seconds = self.used()
         code = self._process.wait()
         with open(self._plan, 'rb', closefd=False) as stream:
             stream.seek(0)
@@ -91,9 +95,9 @@ class Search:
         actions = tuple(_canonical(line) for line in lines if line.startswith('('))
         # The plan ends with its cost; a text without is no whole plan.
         if code in _SOLVED and lines and lines[-1].startswith('; cost'):
-            return Outcome(Status.SOLVED, actions)
+            return Outcome(Status.SOLVED, actions, seconds=seconds)
         if code in _UNSOLVABLE:
-            return Outcome(Status.UNSOLVABLE)
+            return Outcome(Status.UNSOLVABLE, seconds=seconds)
         if code in _OUT_OF_MEMORY:
             return Outcome(Status.UNKNOWN, reason='the search ran out of memory')
         how = f'was ended by signal {-code}' if code < 0 else f'ended with code {code}'

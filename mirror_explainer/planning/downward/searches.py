@@ -1,44 +1,68 @@
-"""Run the searches that nothing spares, a few at a time, each within its time."""
+"""Run the searches that nothing spares, a few at a time, each within its processor time."""
 
 import heapq
 import itertools
+import math
 import selectors
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
+from mirror_explainer.planning.downward.portfolio import Try
 from mirror_explainer.planning.downward.program import Outcome, Search
-from mirror_explainer.planning.downward.subject import Finding, Subject, Subjects
+from mirror_explainer.planning.downward.subject import Finding, SearchInput, Subject, Subjects
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
 
 # When so many searches have failed, and none has not, no more are tried.
 _MOST_FAILURES = 10
+
+# A search that takes so many times as long as it works, and some seconds more, hangs.
+_PATIENCE, _MORE_PATIENCE = 20.0, 10.0
+
+# What takes long under more facts is tried for so many seconds at a time under fewer.
+_HOPELESS = 0.1
+
+# The shortest time between two looks at how much a search has worked.
+_LOOK = 0.005
 
 Report = Callable[[Sequence[Belief], Attempt], None]
 
 
 @dataclass(eq=False)
 class _Job:
-    """A subject to search for.
+    """A subject to search for, and what became of it so far.
 
-    `text` is the search's input, `left` the configurations still to try. `crashed` says
-    that a search failed that was no first try.
+    `tried` has the longest time that each search was tried for, `now` is the one to come or
+    running; so many seconds are `left`. `reason` says what else than time was wanting.
     """
 
     subjects: Subjects
     subject: Subject
-    text: bytes = b''
-    left: tuple[str, ...] = ()
+    left: float
+    input: SearchInput | None = None
+    now: Try | None = None
+    tried: dict[str, float] = field(default_factory=dict)
+    reason: str = ''
     crashed: bool = False
+
+    def next_try(self) -> bool:
+        """Decide on the next search, and say whether there is one."""
+        if self.input is not None:
+            if self.tried and self.input.thorough:
+                self.input = self.input.thorough()
+            portfolio, states = self.input.portfolio, self.input.states
+            self.now = portfolio.next_try(states, self.tried, self.left)
+        return self.now is not None
 
 
 class Searches:
     """The searches of one call: `calls` many, `searching` the seconds spent on their processes.
 
-    That is to start them, and to wait while there is nothing else to do. Those for the first
-    belief come first, then those for the others in the order of their goals.
+    That is to start them, and to wait while there is nothing else to do. Short tries come before
+    longer ones; among these, those for the first belief, then the others in the order of
+    their goals.
     """
 
     def __init__(self, ask: Ask, report: Report) -> None:
@@ -48,7 +72,7 @@ class Searches:
         goals = dict.fromkeys(belief.goal for belief in ask.beliefs)
         self._rank = {goal: rank for rank, goal in enumerate(goals)}
         self._numbers = itertools.count()
-        self._queue: list[tuple[int, int, _Job]] = []
+        self._queue: list[tuple[float, int, int, _Job]] = []
         self._running: dict[Search, _Job] = {}
         self._failures = 0
         self._all_failed = True
@@ -67,7 +91,11 @@ class Searches:
                 while time.monotonic() < self._end:
                     for subjects in all_subjects:
                         while subjects.ready:
-                            self._begin(_Job(subjects, subjects.ready.popleft()))
+                            self._begin(
+                                _Job(
+                                    subjects, subjects.ready.popleft(), self._ask.planning_timeout
+                                )
+                            )
                     self._fill(selector)
                     if any(subjects.ready for subjects in all_subjects):
                         continue
@@ -85,29 +113,31 @@ class Searches:
         finding = job.subjects.known(job.subject)
         if finding is not None:
             self._settle(job, finding)
-        elif job.subject.hopeless:
-            self._settle(job, None, self._too_long())
         else:
-            self._queue_up(job, next(self._numbers))
+            self._queue_up(job)
 
-    def _queue_up(self, job: _Job, number: int) -> None:
+    def _queue_up(self, job: _Job) -> None:
         members = job.subject.members
-        rank = -1 if self._ask.beliefs[0] in members else self._rank[members[0].goal]
-        heapq.heappush(self._queue, (rank, number, job))
+        first = self._ask.beliefs[0] in members
+        rank = -1 if first else self._rank[members[0].goal]
+        seconds = job.now.seconds if job.now else 0.0
+        heapq.heappush(self._queue, (seconds, rank, next(self._numbers), job))
 
     def _fill(self, selector: selectors.BaseSelector) -> None:
         while self._queue and len(self._running) < self._ask.workers:
-            _, _, job = heapq.heappop(self._queue)
-            if not job.text:
+            *_, job = heapq.heappop(self._queue)
+            if job.input is None:
                 finding = job.subjects.known(job.subject)  # by what was found while it waited
                 if finding is not None:
                     self._settle(job, finding)
                     continue
-                job.text, job.left = job.subjects.search_input(job.subject)
+                job.input = job.subjects.search_input(job.subject)
+                job.next_try()
+            assert job.now is not None, 'it is queued for it'
             began = time.monotonic()
             try:
                 search = Search(
-                    self._ask.downward, job.text, job.left[0], self._ask.planning_timeout
+                    self._ask.downward, job.input.text, job.now.configuration, job.now.seconds
                 )
             except OSError as error:
                 reason = f'{self._ask.downward} does not start: {error.strerror}'
@@ -121,49 +151,41 @@ class Searches:
     def _wait(self, selector: selectors.BaseSelector, other: int) -> bool:
         """Wait for something to happen; return whether it is in `other`."""
         began = time.monotonic()
-        first_end = min(self._limit(search) for search in self._running)
-        ready = {key.fileobj for key, _ in selector.select(max(0.0, first_end - began))}
+        # A search cannot work for longer than it runs.
+        spare = min(search.seconds - search.used() for search in self._running)
+        patience = min(max(spare, _LOOK), self._end - began)
+        ready = {key.fileobj for key, _ in selector.select(max(0.0, patience))}
         now = time.monotonic()
         self.searching += now - began
         for search, job in list(self._running.items()):
             if search in ready:
                 self._leave(selector, search)
                 self._ended(job, search.outcome())
-            elif now >= self._limit(search):
+            elif search.used() >= search.seconds:
                 self._leave(selector, search)
                 search.kill()
-                self._stopped(job, now)
+                self._next(job, search.seconds)
+            elif now - search.since > _PATIENCE * search.seconds + _MORE_PATIENCE:
+                self._leave(selector, search)
+                search.kill()
+                self._ended(job, Outcome(Status.UNKNOWN, reason='downward hangs', crashed=True))
         return other in ready
-
-    def _limit(self, search: Search) -> float:
-        """Return when a search must end."""
-        job = self._running[search]
-        seconds = self._ask.planning_timeout
-        if self._has_next(job):
-            seconds = job.subjects.first_try
-        return min(search.since + seconds, self._end)
-
-    def _has_next(self, job: _Job) -> bool:
-        """Say whether a job's search is a first try, to be followed by another."""
-        patient = self._ask.planning_timeout > job.subjects.first_try
-        return len(job.left) > 1 and patient
 
     def _leave(self, selector: selectors.BaseSelector, search: Search) -> None:
         selector.unregister(search)
         del self._running[search]
 
-    def _stopped(self, job: _Job, now: float) -> None:
-        if now >= self._end:
-            return
-        if self._has_next(job):
-            self._next(job)
+    def _next(self, job: _Job, tried: float, crashed: bool = False) -> None:
+        """Go on after a search that was tried for so long, if there is another."""
+        assert job.now is not None, 'it was tried'
+        job.tried[job.now.configuration] = tried
+        job.left -= job.now.seconds
+        if job.next_try() and not (job.subject.hopeless and job.now.seconds > _HOPELESS):
+            self._queue_up(job)
         else:
-            job.subject.hopeless = True
-            self._settle(job, None, self._too_long())
-
-    def _next(self, job: _Job) -> None:
-        job.left = job.left[1:]
-        self._queue_up(job, -next(self._numbers))
+            job.subject.hopeless = not crashed
+            too_long = f'no optimal plan within {self._ask.planning_timeout:g} s'
+            self._settle(job, None, unknown(job.reason or too_long, crashed))
 
     def _ended(self, job: _Job, outcome: Outcome) -> None:
         plan: tuple[str, ...] | None = None
@@ -173,16 +195,16 @@ class Searches:
                 reason = 'downward gave a wrong plan'
                 outcome = Outcome(Status.UNKNOWN, reason=reason, crashed=True)
         self._count(outcome)
+        assert job.input and job.now, 'it was tried'
         if outcome.status is not Status.UNKNOWN:
+            job.input.portfolio.learn(job.now.configuration, outcome.seconds)
             self._settle(job, Finding(plan))
-        elif outcome.crashed and self._has_next(job):
-            self._next(job)
         elif outcome.crashed and not job.crashed:
             job.crashed = True
-            self._queue_up(job, -next(self._numbers))
+            self._queue_up(job)
         else:
-            job.subject.hopeless = not outcome.crashed
-            self._settle(job, None, unknown(outcome.reason, outcome.crashed))
+            job.reason = outcome.reason
+            self._next(job, math.inf, outcome.crashed)
 
     def _count(self, outcome: Outcome) -> None:
         """Count failures; raise PlanningError when that is all there is."""
@@ -208,6 +230,3 @@ class Searches:
         else:
             return
         self._report(job.subject.members, attempt)
-
-    def _too_long(self) -> Attempt:
-        return unknown(f'no optimal plan within {self._ask.planning_timeout:g} s')

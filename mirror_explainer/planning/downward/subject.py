@@ -1,11 +1,12 @@
 """What searches are run for: tasks, whether grounded all at once or one by one."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans
+from mirror_explainer.planning.downward.portfolio import Portfolio
 
 
 @dataclass(frozen=True)
@@ -13,6 +14,19 @@ class Finding:
     """An optimal plan, or None where there is provably none."""
 
     plan: tuple[str, ...] | None
+
+
+@dataclass(frozen=True)
+class SearchInput:
+    """What a search reads, which searches to try on it, and how many states it has at most.
+
+    `thorough` gives one that took longer to make, if there is any, for tasks that are not easy.
+    """
+
+    text: bytes
+    portfolio: Portfolio
+    states: float = float('inf')
+    thorough: 'Callable[[], SearchInput] | None' = None
 
 
 class Subject(Protocol):
@@ -29,20 +43,18 @@ class Subjects(Protocol):
     """The tasks to plan for. Those in `ready` may be planned for now, in this order.
 
     `required` says that beliefs depend on these for any result at all; `provisional` that
-    their plans will be joined by others. `first_try` is how many seconds a search may
-    take when there is another left to try.
+    their plans will be joined by others.
     """
 
     ready: deque[Any]
     required: bool
     provisional: bool
-    first_try: float
 
     def known(self, subject: Any) -> Finding | None:
         """Return what is known of a ready subject without a search, None if nothing."""
 
-    def search_input(self, subject: Any) -> tuple[bytes, tuple[str, ...]]:
-        """Return the input of the search, and configurations that are optimal, to try in order."""
+    def search_input(self, subject: Any) -> SearchInput:
+        """Return what is to be searched for a subject of which nothing is known."""
 
     def checked(self, subject: Any, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the plan in a search's actions, None if it does not reach the goal."""

@@ -12,15 +12,16 @@ from dataclasses import dataclass, field
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Fact, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
-from mirror_explainer.planning.downward.program import OPTIMAL
-from mirror_explainer.planning.downward.subject import Finding
+from mirror_explainer.planning.downward.portfolio import PLAIN, Portfolio
+from mirror_explainer.planning.downward.subject import Finding, SearchInput
+from mirror_explainer.planning.downward.what_matters import GoalTask
 
 
 @dataclass(eq=False)
 class Node:
     """All asked beliefs that are one and the same task, and what is known of it.
 
-    `facts` are the uncertain facts that hold and matter. `plan` is an optimal
+    `facts` are the uncertain facts that hold and matter to the goal. `plan` is an optimal
     plan and `cost` what it costs, None while none is known. `hopeless` says that a search ran
     out of time here, or where more facts hold; `first`, that it waits for no parent.
     """
@@ -49,7 +50,6 @@ class SupersetWalk:
     """
 
     required = True
-    first_try = 0.1
 
     def __init__(
         self,
@@ -65,9 +65,15 @@ class SupersetWalk:
         self.as_declared = grounding.as_declared
         self._goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
+        self._portfolio = Portfolio(PLAIN)
         self._plans: dict[int, dict[tuple[str, ...], int]] = defaultdict(dict)
-        self._reached: dict[State, set[Fact]] = {}
-        self._nodes = _nodes(grounding, initial - frozenset(grounding.uncertain), beliefs)
+        self._goal_tasks = {
+            index: GoalTask(grounding.task, goal)
+            for index in {belief.goal for belief in beliefs}
+            if (goal := grounding.goals[index]) is not None
+        }
+        certain = initial - frozenset(grounding.uncertain)
+        self._nodes = self._distinct(grounding, certain, beliefs)
         for group in self._comparable(self._nodes):
             for node in group.values():
                 node.parents = list(self._parents(node, group))
@@ -112,18 +118,25 @@ class SupersetWalk:
             return Finding(None)
         if all(node.state[variable] == value for variable, value in goal):
             return Finding(())
-        if not self._reachable(node.state).issuperset(goal):
-            return Finding(None)
         bounds = [parent.cost for parent in node.parents if parent.cost is not None]
         plan = self._known_plan(node, max(bounds)) if bounds else None
         if plan is not None:
             return Finding(plan)
+        if not self._goal_tasks[node.goal].may_be_reached(node.state):
+            return Finding(None)
         node.hopeless = any(parent.hopeless for parent in node.parents)
         return None
 
-    def search_input(self, node: Node) -> tuple[bytes, tuple[str, ...]]:
-        """Return the input of the search, and the configurations that are optimal for it."""
-        return self.task.text(node.state, self.goal(node)), OPTIMAL
+    def search_input(self, node: Node) -> SearchInput:
+        """Return what matters of the node's task."""
+        goal_task = self._goal_tasks[node.goal]
+        task, state = goal_task.from_any(node.state)
+
+        def thorough() -> SearchInput:
+            task, state = goal_task.from_here(node.state)
+            return SearchInput(task.text(state), self._portfolio, task.states)
+
+        return SearchInput(task.text(state), self._portfolio, task.states, thorough)
 
     def checked(self, node: Node, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the actions if they reach the goal, None otherwise."""
@@ -166,24 +179,24 @@ class SupersetWalk:
         goal = self._goals[node.goal]
         return goal is not None and self.task.leads(plan, node.state, goal)
 
-    def _reachable(self, state: State) -> set[Fact]:
-        if state not in self._reached:
-            self._reached[state] = self.task.relaxed_reachable(state)
-        return self._reached[state]
-
-
-def _nodes(grounding: Grounding, certain: frozenset[str], beliefs: Sequence[Belief]) -> list[Node]:
-    """Return the distinct tasks, goals as they come, those with more facts first."""
-    nodes: dict[tuple[int, frozenset[str]], Node] = {}
-    states: dict[frozenset[str], State] = {}
-    names = {fact: atom_name(fact[1:-1].split()) for b in beliefs for fact in b.true_facts}
-    for belief in beliefs:
-        facts = frozenset(names[fact] for fact in belief.true_facts) & grounding.relevant
-        if facts not in states:
-            state = grounding.initial_state(certain | facts)
-            assert state is not None, 'a grounding covers every belief of its space'
-            states[facts] = state
-        node = nodes.setdefault((belief.goal, facts), Node(belief.goal, facts, states[facts]))
-        node.members.append(belief)
-    goals = list(dict.fromkeys(belief.goal for belief in beliefs))
-    return sorted(nodes.values(), key=lambda node: (goals.index(node.goal), -len(node.facts)))
+    def _distinct(
+        self, grounding: Grounding, certain: frozenset[str], beliefs: Sequence[Belief]
+    ) -> list[Node]:
+        """Return the distinct tasks, goals as they come, those with more facts first."""
+        relevant = {
+            goal: grounding.atoms(task.variables) for goal, task in self._goal_tasks.items()
+        }
+        nodes: dict[tuple[int, frozenset[str]], Node] = {}
+        states: dict[frozenset[str], State] = {}
+        names = {fact: atom_name(fact[1:-1].split()) for b in beliefs for fact in b.true_facts}
+        for belief in beliefs:
+            named = frozenset(names[fact] for fact in belief.true_facts)
+            facts = named & relevant.get(belief.goal, frozenset())
+            if facts not in states:
+                state = grounding.initial_state(certain | facts)
+                assert state is not None, 'a grounding covers every belief of its space'
+                states[facts] = state
+            node = nodes.setdefault((belief.goal, facts), Node(belief.goal, facts, states[facts]))
+            node.members.append(belief)
+        goals = {goal: rank for rank, goal in enumerate(dict.fromkeys(b.goal for b in beliefs))}
+        return sorted(nodes.values(), key=lambda node: (goals[node.goal], -len(node.facts)))

@@ -75,10 +75,9 @@ class Grounding:
     def _number(self) -> dict[str, int]:
         return {item: number for number, item in enumerate(self.objects)}
 
-    @cached_property
-    def relevant(self) -> frozenset[str]:
-        """The atoms that matter to some goal."""
-        return frozenset(name for variable in self.kept for name in self.variables[variable])
+    def atoms(self, variables: Iterable[int]) -> frozenset[str]:
+        """Return the atoms that variables of the task stand for."""
+        return frozenset(name for v in variables for name in self.variables[self.kept[v]])
 
     def holds_for(self, initial: frozenset[str]) -> bool:
         """Say whether the grounding is right for another initial state of the same problem.

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Plan, Status
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
-from mirror_explainer.planning.downward.program import OPTIMAL, OPTIMAL_AXIOMS, OPTIMAL_CONDITIONAL
+from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN, Portfolio
 from mirror_explainer.planning.downward.replay import reaches_goal
-from mirror_explainer.planning.downward.subject import Finding
+from mirror_explainer.planning.downward.subject import Finding, SearchInput
 
 
 @dataclass(eq=False)
@@ -26,23 +26,22 @@ class Translations:
 
     required = True
     provisional = False
-    first_try = 0.1
 
     def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
         self._lists = lists
         self._facts = space.uncertain_facts
+        self._portfolios = {kind: Portfolio(kind) for kind in (PLAIN, CONDITIONAL, AXIOMS)}
         self.ready = deque(Single([belief]) for belief in beliefs)
 
     def known(self, single: Single) -> Finding | None:
         """Return None: nothing is known without a search."""
 
-    def search_input(self, single: Single) -> tuple[bytes, tuple[str, ...]]:
-        """Return the input of the search, and the configurations that are optimal for it."""
+    def search_input(self, single: Single) -> SearchInput:
+        """Translate the belief."""
         translation = translator.translate(self._lists, single.members[0], self._facts)
         single.translation = translation
-        if translation.axioms:
-            return translation.text, OPTIMAL_AXIOMS
-        return translation.text, OPTIMAL_CONDITIONAL if translation.conditional else OPTIMAL
+        kind = AXIOMS if translation.axioms else CONDITIONAL if translation.conditional else PLAIN
+        return SearchInput(translation.text, self._portfolios[kind])
 
     def checked(self, single: Single, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the plan: the actions without the last, which stands for the goal."""

@@ -128,9 +128,11 @@ def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation
         edited_problem(lists, [*lists.certain_facts, *true]),
     )
     sas = main.pddl_to_sas(task)
+    text = io.StringIO()
+    sas.output(text)
     return Translation(
         sas,
-        _output(sas).encode(),
+        text.getvalue().encode(),
         {canonical_name(operator): operator.cost for operator in sas.operators},
         bool(sas.axioms),
         _conditional(sas.operators),
@@ -219,7 +221,7 @@ def _grounding(
 
 def _without_any_plan(lists: Lists, apart: frozenset[int]) -> Grounding:
     return Grounding(
-        task=GroundTask((), '', ''),
+        task=GroundTask(()),
         goals=(None,) * len(lists.goals),
         hard_goals=apart,
         negative=frozenset(),
@@ -269,26 +271,16 @@ def _goals(
 
 
 def _ground_task(sas: sas_tasks.SASTask) -> GroundTask:
-    head, _ = _output(sas).split('begin_state\n', 1)
-    operators = tuple(
+    operators = (
         Operator(
             canonical_name(operator),
             tuple(operator.get_applicability_conditions()),
             tuple(_unique((variable, post) for variable, _, post, _ in operator.pre_post)),
             operator.cost,
-            _output(operator),
         )
         for operator in sas.operators
     )
-    axioms = ''.join([f'{len(sas.axioms)}\n', *map(_output, sas.axioms)])
-    return GroundTask(operators, head, axioms)
-
-
-def _output(part: sas_tasks.SASTask | sas_tasks.SASOperator | sas_tasks.SASAxiom) -> str:
-    """Return a task, or a part of one, as the search reads it."""
-    stream = io.StringIO()
-    part.output(stream)
-    return stream.getvalue()
+    return GroundTask(tuple(operators), tuple(sas.variables.ranges))
 
 
 def _unique(facts: Iterable[Fact]) -> Iterable[Fact]:

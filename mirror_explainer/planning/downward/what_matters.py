@@ -1,0 +1,197 @@
+"""What matters to one goal: no optimal plan needs the operators and variables left out here.
+
+Every search gets a task of its own, mostly much smaller than what was grounded for all beliefs.
+Costs stay exact: whatever plan uses an operator left out, there is one without it that is
+no dearer.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
+from mirror_explainer.planning.downward.search_task import Numbering, SearchTask
+
+
+@dataclass(frozen=True)
+class _Direct:
+    """A task without detours, right for initial states in which some variables are as given."""
+
+    state: dict[int, int]
+    numbering: Numbering
+
+    def holds_for(self, state: State) -> bool:
+        return all(state[variable] == value for variable, value in self.state.items())
+
+
+class GoalTask:
+    """One goal of a ground task: what matters to it, from each initial state.
+
+    `operators` are those that can help; nothing but `variables` matters.
+    """
+
+    def __init__(self, task: GroundTask, goal: tuple[Fact, ...]) -> None:
+        self.goal = goal
+        self.operators = helpful(task.operators, goal)
+        self.variables = {v for o in self.operators for v in o.needs} | {v for v, _ in goal}
+        self._sizes = task.sizes
+        self._relaxation = Relaxation(self.operators)
+        self._direct: dict[tuple[int, ...], list[_Direct]] = defaultdict(list)
+
+    def may_be_reached(self, state: State) -> bool:
+        """Say whether the goal could be reached if nothing ever became false."""
+        return self._relaxation.reached(state)[1].issuperset(self.goal)
+
+    def from_any(self, state: State) -> tuple[SearchTask, State]:
+        """Return a search from a state, by what matters from whatever state."""
+        return self._whole.task, self._whole.state(state)
+
+    @cached_property
+    def _whole(self) -> Numbering:
+        return Numbering(self._sizes, self.operators, self.goal, self.variables)
+
+    def from_here(self, state: State) -> tuple[SearchTask, State]:
+        """Return a search from a state that may reach the goal, by what matters from there."""
+        usable, _ = self._relaxation.reached(state)
+        changing = {
+            variable
+            for index in usable
+            for variable, value in self.operators[index].changes.items()
+            if value != state[variable]
+        }
+        # The others only make true what always is.
+        left = tuple(i for i in usable if not changing.isdisjoint(self.operators[i].changes))
+        known = self._direct[left]
+        fitting = next((direct for direct in known if direct.holds_for(state)), None)
+        if fitting is None:
+            operators = helpful([self.operators[index] for index in left], self.goal)
+            direct, fixed = _without_detours(operators, state, self.goal)
+            direct = helpful(direct, self.goal)
+            changed = {variable for operator in direct for variable in operator.changes}
+            numbering = Numbering(self._sizes, direct, self.goal, changed)
+            fitting = _Direct({variable: state[variable] for variable in fixed}, numbering)
+            known.append(fitting)
+        return fitting.numbering.task, fitting.numbering.state(state)
+
+
+def helpful(operators: Sequence[Operator], goal: Iterable[Fact]) -> list[Operator]:
+    """Return the operators that bring about the goal, or what one of these needs.
+
+    A plan stays one without the others: every fact that is needed is true as it was.
+    """
+    bringing = defaultdict(list)
+    for index, operator in enumerate(operators):
+        for fact in operator.changes.items():
+            bringing[fact].append(index)
+    found: set[int] = set()
+    needed = set(goal)
+    open_facts = list(needed)
+    while open_facts:
+        for index in bringing.get(open_facts.pop(), ()):
+            if index not in found:
+                found.add(index)
+                new = set(operators[index].condition) - needed
+                needed |= new
+                open_facts += new
+    return [operators[index] for index in sorted(found)]
+
+
+class Relaxation:
+    """What operators could reach if nothing ever became false."""
+
+    def __init__(self, operators: Sequence[Operator]) -> None:
+        self._effects = [operator.effect for operator in operators]
+        self._missing = [len(operator.condition) for operator in operators]
+        self._needed_by: dict[Fact, list[int]] = defaultdict(list)
+        for index, operator in enumerate(operators):
+            for fact in operator.condition:
+                self._needed_by[fact].append(index)
+
+    def reached(self, state: State, without: Iterable[int] = ()) -> tuple[list[int], set[Fact]]:
+        """Return the indices of the operators that can be applied, and the facts reached."""
+        missing = list(self._missing)
+        for index in without:
+            missing[index] = -1
+        usable = [index for index, count in enumerate(missing) if not count]
+        reached = set(enumerate(state))
+        for index in usable:
+            reached.update(self._effects[index])
+        open_facts = list(reached)
+        while open_facts:
+            for index in self._needed_by.get(open_facts.pop(), ()):
+                missing[index] -= 1
+                if not missing[index]:
+                    usable.append(index)
+                    for fact in self._effects[index]:
+                        if fact not in reached:
+                            reached.add(fact)
+                            open_facts.append(fact)
+        return sorted(usable), reached
+
+
+def _without_detours(
+    operators: Sequence[Operator], state: State, goal: Sequence[Fact]
+) -> tuple[list[Operator], set[int]]:
+    """Leave out what only leads away and back, such as to fetch what the goal does not name.
+
+    For each variable that nothing reads without changing it: leave out all that change it, and
+    whatever then cannot be reached, if every plan works without them. Returns also the variables
+    on whose initial values that rests.
+    """
+    relaxation = Relaxation(operators)
+    changing: dict[int, set[int]] = defaultdict(set)
+    uses: Counter[Fact] = Counter(goal)
+    read = {variable for variable, _ in goal}
+    for index, operator in enumerate(operators):
+        uses.update({*operator.condition, *operator.effect})
+        read.update(operator.needs.keys() - operator.changes.keys())
+        for variable in operator.changes:
+            changing[variable].add(index)
+    gone: set[int] = set()
+    fixed: set[int] = set()
+    for variable in sorted(changing.keys() - read):
+        if not changing[variable] <= gone:
+            usable, reached = relaxation.reached(state, gone | changing[variable])
+            more = set(range(len(operators))) - gone - set(usable)
+            if reached.issuperset(goal):
+                touched = _spared([operators[index] for index in more], uses, state)
+                if touched:
+                    gone |= more
+                    fixed |= touched
+    return [operator for index, operator in enumerate(operators) if index not in gone], fixed
+
+
+def _spared(gone: Sequence[Operator], uses: Counter[Fact], state: State) -> set[int]:
+    """Return the variables that these operators change, empty if a plan may need them.
+
+    `uses` counts the operators that mention a fact; those of `gone` are taken off where they are
+    spared. Where a plan changes a value by what is left out, the value stays as it was. That goes
+    well if no two values matter to what is kept that such changes connect: then, whenever one of
+    them is needed, it is the one that stayed.
+    """
+    touched = {v for operator in gone for v in operator.changes}
+    left = uses - Counter(f for o in gone for f in {*o.condition, *o.effect})
+    matter = {fact for fact in left if fact[0] in touched} | {(v, state[v]) for v in touched}
+    leader: dict[Fact, Fact] = {}
+
+    def lead(fact: Fact) -> Fact:
+        while leader.setdefault(fact, fact) != fact:
+            fact = leader[fact]
+        return fact
+
+    for operator in gone:
+        for variable, value in operator.changes.items():
+            before = operator.needs.get(variable)
+            if before is None:
+                sources = {fact for fact in uses if fact[0] == variable} | {
+                    (variable, state[variable])
+                }
+            else:
+                sources = {(variable, before)}
+            for source in sources:
+                leader[lead(source)] = lead((variable, value))
+    if len({lead(fact) for fact in matter}) < len(matter):
+        return set()
+    uses.subtract(uses - left)
+    return touched
