@@ -364,7 +364,7 @@ def explain(
     question = question or Question()
     listener = chosen(preparation.listener, question.listener, question.min_gain)
     model = preparation.model_for(listener)
-    heard = _positions_of(said, said_source, model)
+    heard = positions_of(said, said_source, model)
     first = not heard
     if not question.tell_past:
         heard = tuple(sorted({*heard, *_past(preparation, model)}))
@@ -413,8 +413,11 @@ def _selection(
     return most_informative(evidence, question.n, budget, first=first)
 
 
-def _positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple[int, ...]:
-    """Return the plan positions that the sentences said stand for, ascending."""
+def positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple[int, ...]:
+    """Return the plan positions that the sentences said stand for, ascending.
+
+    Raises InputError, with the source, for a sentence that no step is said as.
+    """
     places = dict(zip(model.told, model.places, strict=True))
     for sentence in said:
         if sentence not in places:

@@ -15,6 +15,7 @@ from mirror_explainer.commands.offline import (
     strategy_curves,
 )
 from mirror_explainer.commands.options import add_settings, settings_from, whole
+from mirror_explainer.commands.score import score_table, scores
 from mirror_explainer.errors import InputError, PlanningError, told
 from mirror_explainer.explainer import Explanation, explain
 from mirror_explainer.selection.choice import informative_order
@@ -62,11 +63,14 @@ def _verbalize(options: argparse.Namespace) -> str:
         if options.curve
         else None
     )
+    score = scores(explanation, options.score) if options.score else None
     if options.json:
-        extra = {'order': order} if order is not None else {}
+        extra: dict[str, Any] = {'order': order} if order is not None else {}
+        extra |= {'score': score} if score is not None else {}
         extra |= {'curve': curves} if curves is not None else {}
         return json.dumps(explanation.as_dict() | extra, indent=2, ensure_ascii=False)
     parts = [explanation.spoken, in_words(explanation)]
+    parts += [score_table(score, explanation.understanding_before)] if score is not None else []
     parts += [_order_table(order)] if order is not None else []
     parts += [_curve_table(curves)] if curves is not None else []
     return '\n\n'.join(parts)
@@ -133,6 +137,9 @@ def _parser() -> argparse.ArgumentParser:
     add_planning_arguments(parser)
     output = parser.add_argument_group('output')
     output.add_argument('--order', action='store_true', help='add the informative order')
+    output.add_argument(
+        '--score', nargs='+', metavar='SENTENCE', help='add what these sentences would tell'
+    )
     output.add_argument('--curve', action='store_true', help='add all N for all strategies')
     output.add_argument('--json', action='store_true', help='everything, as one JSON object')
     output.add_argument('--output', metavar='FILE', help='write there instead of printing')
