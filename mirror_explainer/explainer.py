@@ -24,6 +24,7 @@ from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.pddl.progress import StepStatus
 from mirror_explainer.pddl.situation import FIRST, NEW_TASK, Situation
 from mirror_explainer.planning import Plan
+from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import (
     Selection,
     baseline,
@@ -38,7 +39,7 @@ _KEYS = (
     'doubt_before', 'doubt_after', 'cross_entropy_before', 'cross_entropy_after',
     'understanding_before', 'understanding', 'true_goal', 'unmentioned', 'optimal', 'gap',
     'complete', 'planned', 'covered_mass', 'unsolvable_mass', 'unknown_mass', 'plans_cut',
-    'listener', 'goals', 'facts', 'plan', 'episode',
+    'listener', 'goals', 'facts', 'baselines', 'plan', 'episode',
 )  # fmt: skip
 
 
@@ -227,6 +228,23 @@ class Explanation:
             {'fact': f, 'prior': before[f], 'posterior': after[f], 'true': f in true}
             for f in before
         ]
+
+    @cached_property
+    def baselines(self) -> list[dict[str, Any]]:
+        """What the first and the last steps, as many as are said, would have told instead."""
+        evidence = self.model.evidence(self.said)
+        told = []
+        for strategy in ORDERS:
+            positions = baseline(evidence, strategy, self.n).positions
+            understanding = self.model.understanding([*self.said, *positions])
+            told.append(
+                {
+                    'strategy': strategy,
+                    'positions': list(positions),
+                    'understanding': understanding,
+                }
+            )
+        return told
 
     @cached_property
     def plan(self) -> list[dict[str, Any]]:

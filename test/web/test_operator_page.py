@@ -2,7 +2,9 @@
 
 import http.client
 import itertools
+import json
 import os
+import re
 import signal
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -21,9 +23,12 @@ from playwright.sync_api import Locator, Page, expect
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import ListParameters, SetParameters
-from ros_peer import PLAN, PROBLEM, THREE_SENTENCES, USER_MODEL, Call, Peer, Process, running
+from ros_peer import PLAN, PROBLEM, USER_MODEL, Call, Peer, Process, running
 
-SENTENCES = THREE_SENTENCES.split('\n')
+from mirror_explainer.web.operator.shown import percent
+
+# As they are spoken: two of the three in one breath.
+SENTENCES = ['I will grab a blue cube and a red circle.', 'I will exit from the bottom door.']
 _namespaces = (f'/page_{os.getpid()}_{number}' for number in itertools.count())
 
 
@@ -82,7 +87,7 @@ def operator(chromium, shared: Stack) -> Iterator[Page]:
     shared.peer.set_parameters(n=3, strategy='informative', remember=False)
     with person(chromium) as page:
         page.goto(shared.page.url)
-        expect(page.locator('#condition')).to_have_text('Ready. The robot can be asked.')
+        expect(page.locator('#status')).to_have_text(re.compile('Ready|New plan'))
         yield page
 
 
@@ -97,14 +102,27 @@ def press(page: Page) -> None:
     expect(page.locator('#asking')).not_to_have_class('htmx-request')
 
 
+def settings(page: Page) -> None:
+    """Open the drawer, unless it is."""
+    if page.locator('#drawer').get_attribute('open') is None:
+        page.get_by_text('Settings', exact=True).click()
+
+
+def more(page: Page) -> None:
+    """Open the tables."""
+    page.get_by_text('All goals, the whole plan, and numbers').click()
+
+
 def choose(page: Page, strategy: str) -> None:
     """Choose a strategy, and wait until it is set."""
+    settings(page)
     with page.expect_response('**/adjust'):
         page.get_by_role('radio', name=strategy).check()
 
 
 def forget(page: Page) -> None:
     """Press the button that makes the robot forget, and wait until it has."""
+    settings(page)
     with page.expect_response('**/forget'):
         page.get_by_role('button', name='Forget what was said').click()
 
@@ -130,10 +148,25 @@ def test_what_rclpy_itself_cannot_take_does_not_cut_the_page_off(operator, share
     expect(answer(operator)).to_have_text(SENTENCES)
 
 
-def test_the_button_gives_the_answer_and_all_that_it_does_by_keyboard_alone(operator):
-    button(operator).focus()
-    operator.keyboard.press('Enter')
+def test_the_button_gives_the_answer_and_all_that_it_does_by_keyboard_alone(operator, shared):
+    explanations = shared.peer.hear('mirror_explainer/explanation')
+    heard = len(explanations)
+    with operator.expect_response('**/ask'):
+        button(operator).focus()
+        operator.keyboard.press('Enter')
     expect(answer(operator)).to_have_text(SENTENCES)
+    eventually(lambda: len(explanations) > heard, 'the explanation')
+    told = json.loads(explanations[-1])
+    before, after = percent(told['understanding_before']), percent(told['understanding'])
+    instead = [percent(other['understanding']) for other in told['baselines']]
+    assert told['understanding_before'] < 0.1 < 0.6 < told['understanding']
+    expect(operator.locator('#belief dd')).to_have_text([before, after, *instead])
+    expect(operator.locator('#belief dt')).to_have_text(
+        ['Before', 'After', 'Had it told its first 3 steps', 'Had it told its last 3 steps']
+    )
+    expect(operator.locator('#timeline li.said')).to_have_count(3)
+    expect(button(operator)).to_be_focused()
+    more(operator)
     said = operator.get_by_role('table', name='The steps of the plan').get_by_role(
         'row', name='said'
     )
@@ -143,22 +176,24 @@ def test_the_button_gives_the_answer_and_all_that_it_does_by_keyboard_alone(oper
     uncertainty = operator.get_by_role('row', name='Uncertainty (cross-entropy')
     expect(said).to_have_count(3)
     expect(true_goal).to_contain_text('red circle and blue cube, bottom door')
-    expect(true_goal.get_by_role('cell')).to_have_text(['3 %', '100 %'])
-    expect(understanding.get_by_role('cell')).to_have_text(['3 %', '100 %'])
-    # log 30 nats before, and one goal with one plan left after (see test_explainer.py).
-    expect(uncertainty.get_by_role('cell')).to_have_text(['3.40', '0.00'])
-    expect(button(operator)).to_be_focused()
+    expect(true_goal.get_by_role('cell')).to_have_text([before, after])
+    expect(understanding.get_by_role('cell')).to_have_text([before, after])
+    expect(uncertainty.get_by_role('cell')).to_have_text(
+        [f'{told["cross_entropy_before"]:.2f}', f'{told["cross_entropy_after"]:.2f}']
+    )
     assert violations(operator) == []
 
 
 def test_slider_and_choice_set_the_parameters_and_change_the_answer(operator, shared):
     press(operator)
     expect(answer(operator)).to_have_text(SENTENCES)
+    settings(operator)
     operator.get_by_role('slider', name='Sentences, at most (N)').focus()
     operator.keyboard.press('Home')
     expect(answer(operator)).to_have_text(['I will exit from the bottom door.'])
     choose(operator, 'increasing')
     expect(answer(operator)).to_have_text(['I will navigate to the central corridor.'])
+    more(operator)
     tried = operator.get_by_role('table').filter(has_text='Strategy').get_by_role('rowheader')
     expect(tried).to_have_text(['increasing shown', 'informative', 'informative'])
     assert violations(operator) == []
@@ -167,18 +202,20 @@ def test_slider_and_choice_set_the_parameters_and_change_the_answer(operator, sh
 
 def test_settings_changed_elsewhere_are_seen(operator, shared):
     shared.peer.set_parameters(n=7, strategy='decreasing')
+    settings(operator)
     expect(operator.get_by_role('slider')).to_have_value('7')
+    expect(operator.get_by_role('spinbutton')).to_have_value('7')
     expect(operator.get_by_role('radio', name='decreasing')).to_be_checked()
 
 
 def test_after_a_replan_the_answer_is_called_old_until_the_robot_is_asked_again(operator, shared):
     press(operator)
-    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said .old')).to_have_count(0)
     shared.peer.publish('plan', PLAN.replace('(move left center)', '(move LEFT center) ; again'))
-    expect(operator.locator('#currency')).to_contain_text('an older plan')
+    expect(operator.locator('#said .old')).to_have_count(1)
     assert violations(operator) == []
     press(operator)
-    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said .old')).to_have_count(0)
     shared.peer.publish('plan', PLAN)
 
 
@@ -187,29 +224,32 @@ def test_a_bad_message_is_told_in_words_and_a_good_one_heals_it(operator, shared
     expect(answer(operator)).to_have_text(SENTENCES)
     shared.peer.publish('plan', '(fly left <b>center</b>)')
     reason = f'{shared.peer.node.get_namespace()}/plan, line 1'
-    expect(operator.locator('#condition')).to_contain_text(f'Error. {reason}')
-    expect(operator.locator('#currency')).to_contain_text('an older plan')
+    expect(operator.locator('#status')).to_contain_text('Fault. What the robot tells of its task')
+    expect(operator.locator('#details-text')).to_contain_text(reason)
+    expect(operator.locator('#said .old')).to_have_count(1)
     press(operator)
-    expect(operator.locator('#said')).to_contain_text(f'there was no answer: {reason}')
+    expect(operator.locator('.status:visible')).to_have_count(1)
+    expect(operator.locator('#status')).to_contain_text('Fault.')
+    operator.get_by_text('Details').click()
+    operator.get_by_role('button', name='Copy').click()
     assert violations(operator) == []
     shared.peer.publish('plan', PLAN)
-    expect(operator.locator('#condition')).to_have_text('Ready. The robot can be asked.')
-    expect(operator.locator('#currency')).to_have_text('')
-    expect(operator.locator('#said')).not_to_contain_text('there was no answer')
+    expect(operator.locator('#status')).to_have_text('✓ Ready. The robot can be asked.')
+    expect(operator.locator('#said .old')).to_have_count(0)
 
 
 def test_what_is_no_explanation_is_told_and_does_not_end_the_page(operator, shared):
     shared.peer.publish('mirror_explainer/explanation', '{"strategy": "<script>"}')
-    expect(operator.locator('#said')).to_contain_text('this is no explanation')
+    expect(operator.locator('#details-text')).to_contain_text('this is no explanation')
     press(operator)
-    expect(operator.locator('#said')).not_to_contain_text('this is no explanation')
+    expect(operator.locator('#status')).to_contain_text('Ready.')
 
 
 def test_with_remember_asking_again_tells_more_and_forgetting_starts_over(operator, shared):
     shared.peer.set_parameters(remember=True, n=2)
     forget(operator)
     press(operator)
-    expect(answer(operator)).to_have_count(2)
+    expect(answer(operator)).to_have_text(SENTENCES[:1])
     first = answer(operator).all_text_contents()
     press(operator)
     expect(answer(operator).first).not_to_have_text(first[0])
@@ -232,15 +272,65 @@ def test_two_browsers_show_the_same_answer_and_both_can_ask(chromium, operator, 
         expect(answer(operator)).to_have_text(['I will exit from the bottom door.'])
         shared.peer.set_parameters(n=2)
         press(operator)
-        expect(answer(other)).to_have_text(SENTENCES[:2])
+        expect(answer(other)).to_have_text(SENTENCES[:1])
 
 
 def test_the_page_fits_every_screen_also_at_200_percent_and_on_a_phone(operator):
     press(operator)
-    operator.locator('summary').click()
+    more(operator)
     for width, height in (*SCREENS.values(), (320, 568)):
         operator.set_viewport_size({'width': width, 'height': height})
         assert overflow(operator) <= 0
+    assert violations(operator) == []
+
+
+def test_at_first_sight_answer_belief_and_plan_are_on_one_screen_and_nothing_jumps(
+    chromium, shared
+):
+    with person(chromium) as page:
+        page.add_init_script(SHIFTS)
+        page.goto(shared.page.url)
+        press(page)
+        for what in ('#said', '#belief', '#timeline'):
+            box = page.locator(what).bounding_box()
+            assert box['y'] + box['height'] <= SCREENS['desktop'][1]
+        for _ in range(3):
+            press(page)
+        shared.peer.publish('plan', '')
+        expect(page.locator('#status')).not_to_contain_text('Ready.')
+        shared.peer.publish('plan', PLAN)
+        press(page)
+        assert page.evaluate('window.shifts') < 0.1
+
+
+SHIFTS = """
+window.shifts = 0;
+new PerformanceObserver((seen) => {
+  for (const shift of seen.getEntries()) window.shifts += shift.value;
+}).observe({type: 'layout-shift', buffered: true});
+"""
+
+
+def test_a_display_asks_by_itself_and_shows_nothing_to_set(chromium, shared):
+    shared.peer.set_parameters(n=3, strategy='informative', remember=False)
+    with person(chromium) as page:
+        page.goto(f'{shared.page.url}?display=on')
+        shared.peer.publish('plan', PLAN + '; for the display')
+        expect(answer(page)).to_have_text(SENTENCES)
+        expect(page.locator('#said .old')).to_have_count(0)
+        expect(page.get_by_role('button')).to_have_count(0)
+        expect(page.locator('#drawer')).to_have_count(0)
+        assert overflow(page) <= 0
+        assert violations(page) == []
+        shared.peer.publish('plan', PLAN)
+
+
+@pytest.mark.parametrize('media', [{'color_scheme': 'dark'}, {'forced_colors': 'active'}])
+def test_it_can_be_read_in_the_dark_and_in_forced_colours(operator, media):
+    operator.emulate_media(**media)
+    press(operator)
+    more(operator)
+    settings(operator)
     assert violations(operator) == []
 
 
@@ -266,52 +356,54 @@ def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator,
     press(operator)
     expect(answer(operator)).to_have_text(SENTENCES)
     with shared.robot(step_period=0.5, **{name: tmp_path / name for name in files}):
-        expect(operator.locator('#said')).to_contain_text('Nothing is left to do')
-    expect(operator.locator('#currency')).to_have_text('')
+        expect(operator.locator('#said')).to_contain_text('I am done.')
+    expect(operator.locator('#said .old')).to_have_count(0)
     shared.peer.publish_warehouse()
     shared.peer.answer()
 
 
 def test_an_explainer_that_hangs_is_missed_until_it_goes_on(operator, shared):
     press(operator)
-    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said .old')).to_have_count(0)
     shared.explainer.popen.send_signal(signal.SIGSTOP)
     press(operator)
-    expect(operator.locator('#said')).to_contain_text('verbalize_plan gave no reply')
-    expect(operator.locator('#condition')).to_contain_text('Silent. No news')
-    expect(operator.locator('#currency')).to_contain_text('may be old')
+    expect(operator.locator('#details-text')).to_contain_text('verbalize_plan gave no reply')
+    expect(operator.locator('#status')).to_contain_text('Silent. No news')
+    expect(operator.locator('#said .old')).to_have_count(1)
     assert violations(operator) == []
     shared.explainer.popen.send_signal(signal.SIGCONT)
-    expect(operator.locator('#condition')).to_contain_text('Ready')
+    expect(operator.locator('#status')).to_contain_text('Ready')
     press(operator)
-    expect(operator.locator('#currency')).to_have_text('')
-    expect(operator.locator('#said')).not_to_contain_text('gave no reply')
+    expect(operator.locator('#said .old')).to_have_count(0)
+    expect(operator.locator('#status')).not_to_contain_text('gave no reply')
 
 
 def test_the_answer_of_an_explainer_that_died_is_not_passed_off_as_new(operator, shared):
     press(operator)
-    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said .old')).to_have_count(0)
     shared.explainer.stop(signal.SIGKILL)
     with shared.user_model.open('a') as file:
         file.write('# changed while nobody looked\n')
     shared.explainer = shared.start_explainer()
-    expect(operator.locator('#condition')).to_contain_text('Ready')
-    expect(operator.locator('#currency')).to_contain_text('an older plan')
+    expect(operator.locator('#status')).to_contain_text('Ready')
+    expect(operator.locator('#said .old')).to_have_count(1)
     press(operator)
-    expect(operator.locator('#currency')).to_have_text('')
+    expect(operator.locator('#said .old')).to_have_count(0)
     expect(answer(operator)).to_have_text(SENTENCES)
 
 
 def test_what_is_not_there_is_told_an_explainer_and_the_page_itself(chromium, stack):
     with person(chromium) as page:
         page.goto(stack.page.url)
-        expect(page.locator('#condition')).to_contain_text('Silent. Nothing was heard')
+        expect(page.locator('#status')).to_contain_text('Silent. Nothing was heard')
         press(page)
-        expect(page.locator('#said')).to_contain_text('Is the explainer running?')
+        expect(page.locator('#status')).to_contain_text('Is the explainer running?')
+        expect(page.locator('#said')).to_have_text('The robot’s answer comes here.')
         expect(page.get_by_role('alert')).to_have_count(0)
         assert violations(page) == []
         stack.page.kill()
         expect(page.get_by_role('alert')).to_contain_text('lost its program')
+        expect(page.locator('.status:visible')).to_have_count(1)
         assert violations(page) == []
         page.errors.clear()  # of the browser, that nobody answers
 

@@ -11,19 +11,23 @@ from mirror_explainer.errors import InputError
 from mirror_explainer.web.operator.heard import Answer, Heard, Settings, Status, read_answer
 from mirror_explainer.web.operator.shown import (
     MOST_GOALS,
-    condition,
+    MOST_STEPS,
+    asks,
+    belief,
     controls,
-    currency,
     explained,
     percent,
     progress,
     said,
+    status,
+    timeline,
 )
 
 EXPLANATION = {
     'strategy': 'informative',
     'n': 1,
     'sentences': ['I will exit.'],
+    'spoken': 'I will exit.',
     'positions': [1],
     'actions': ['(exit door)'],
     'information_gain': 0.7,
@@ -74,23 +78,39 @@ def heard() -> Heard:
 
 def test_an_answer_about_the_newest_inputs_is_shown_without_a_warning(heard: Heard) -> None:
     assert said(heard).sentences == ('I will exit.',)
-    assert currency(heard, follow=True).words == ''
+    assert not said(heard).old
+    assert status(heard).kind == 'ready'
 
 
-@pytest.mark.parametrize('status', [replace(READY, inputs='b'), PLANNING, BAD_PLAN])
+@pytest.mark.parametrize('now', [replace(READY, inputs='b'), PLANNING, BAD_PLAN])
 def test_an_answer_about_other_inputs_than_the_newest_is_called_old(
-    heard: Heard, status: Status
+    heard: Heard, now: Status
 ) -> None:
-    assert 'an older plan' in currency(replace(heard, status=status), follow=False).words
+    assert said(replace(heard, status=now)).old
 
 
 def test_without_news_it_is_not_claimed_that_the_answer_is_the_newest(heard: Heard) -> None:
     for silent in (replace(heard, silent=True), replace(heard, status=None)):
-        assert 'may be old' in currency(silent, follow=True).words
+        assert said(silent).old
+        assert status(silent).word == 'Silent'
+
+
+def test_a_step_that_is_done_makes_no_answer_old_but_another_episode_does(heard: Heard) -> None:
+    about = heard.with_answer(answer(episode={'number': 4, 'reason': 'first'}), '12:00:00')
+    ticked = replace(about, status=replace(READY, inputs='b', episode='4'))
+    replanned = replace(about, status=replace(READY, inputs='c', episode='5'))
+
+    assert (status(ticked).kind, said(ticked).old, asks(ticked, follow=True)) == (
+        'ready',
+        False,
+        '',
+    )
+    assert (status(replanned).kind, said(replanned).old) == ('old', True)
+    assert asks(replanned, follow=True) == '5'
 
 
 @pytest.mark.parametrize(
-    ('status', 'settings', 'follow', 'asks'),
+    ('now', 'settings', 'follow', 'asked'),
     [
         (replace(READY, inputs='b'), SETTINGS, True, True),
         (replace(READY, inputs='b'), SETTINGS, False, False),
@@ -102,55 +122,82 @@ def test_without_news_it_is_not_claimed_that_the_answer_is_the_newest(heard: Hea
     ],
 )
 def test_a_browser_that_follows_asks_once_the_robot_is_ready_with_something_new(
-    heard: Heard, status: Status, settings: Settings | None, follow: bool, asks: bool
+    heard: Heard, now: Status, settings: Settings | None, follow: bool, asked: bool
 ) -> None:
-    now = replace(heard, status=status, settings=settings)
-    assert currency(now, follow).ask == ('b' if asks else '')
+    new = replace(heard, status=now, settings=settings)
+    assert asks(new, follow) == ('b' if asked else '')
+
+
+def test_a_browser_that_follows_asks_the_first_time_too() -> None:
+    nobody_asked = Heard('/mirror_explainer', status=READY, settings=SETTINGS)
+    assert asks(nobody_asked, follow=True) == 'a'
+    assert asks(nobody_asked, follow=False) == ''
 
 
 @pytest.mark.parametrize(
-    ('changes', 'kind', 'words'),
+    ('changes', 'kind', 'words', 'details'),
     [
-        ({}, 'ready', 'The robot can be asked.'),
-        ({'status': PLANNING}, 'working', 'The robot works out what to say.'),
+        ({}, 'ready', 'Ready. The robot can be asked.', ''),
+        ({'status': PLANNING}, 'working', 'Working. The robot works out what to say.', ''),
         (
             {'status': replace(PLANNING, level=2)},  # until it is known whether an error is cured
             'working',
-            'The robot works out what to say.',
+            'Working. The robot works out what to say.',
+            '',
         ),
         (
             {'status': BAD_PLAN},
-            'error',
-            '/plan, line 1: the domain has no action "fly". Correct it.',
+            'fault',
+            'Fault. What the robot tells of its task has a fault: it cannot be explained. '
+            'Correct it.',
+            BAD_PLAN.message,
         ),
         (
             {'status': Status(1, 'waiting for plan (topic)', 'waiting')},
-            'warning',
-            'Waiting for plan (topic).',
+            'working',
+            'Waiting. The robot has not told what it is up to yet.',
+            'waiting for plan (topic)',
+        ),
+        (
+            {'status': replace(READY, level=1, message='ready, but …', cure='Look.')},
+            'remark',
+            'Ready. The robot can be asked, with a reservation. Look.',
+            'ready, but …',
+        ),
+        (
+            {'status': replace(READY, inputs='b')},
+            'old',
+            'New plan. The robot has another plan since: this answer is about the one before. '
+            'Ask again.',
+            '',
         ),
         (
             {'silent': True},
             'silent',
-            'No news from /mirror_explainer for 5 s, the last at 12:00:01.',
+            'Silent. No news from /mirror_explainer for 5 s, the last at 12:00:01. Is the '
+            'explainer running? An answer below may be old.',
+            '',
         ),
         (
             {'status': None},
             'silent',
-            'Nothing was heard of /mirror_explainer on /diagnostics yet. Is it running?',
+            'Silent. Nothing was heard of /mirror_explainer yet. Is the explainer running?',
+            '',
         ),
     ],
 )
-def test_how_the_explainer_is_gets_a_word_and_a_sentence(
-    heard: Heard, changes: dict[str, object], kind: str, words: str
+def test_how_things_stand_is_one_word_one_sentence_and_what_to_do(
+    heard: Heard, changes: dict[str, object], kind: str, words: str, details: str
 ) -> None:
-    now = condition(replace(heard, **changes))  # type: ignore[arg-type]
-    assert (now.kind, now.words) == (kind, words)
+    now = status(replace(heard, **changes))  # type: ignore[arg-type]
+    told = f'{now.word}. {now.sentence} {now.cure}'.strip()
+    assert (now.kind, told, now.details) == (kind, words, details)
 
 
 def test_only_the_progress_changes_while_the_explainer_plans(heard: Heard) -> None:
     third = replace(heard, status=PLANNING)
     fourth = replace(heard, status=replace(PLANNING, message='planning 4 of 9'))
-    assert condition(third) == condition(fourth)
+    assert status(third) == status(fourth)
     assert (progress(third), progress(fourth)) == ('planning 3 of 9', 'planning 4 of 9')
     assert progress(heard) == ''
 
@@ -158,26 +205,71 @@ def test_only_the_progress_changes_while_the_explainer_plans(heard: Heard) -> No
 def test_a_failed_call_is_told_until_the_next_answer_or_until_the_state_is_another(
     heard: Heard,
 ) -> None:
+    failed = heard.with_failure('verbalize_plan gave no reply in 5 s', '12:00:02')
+    assert (status(failed).word, status(failed).sentence, status(failed).details) == (
+        'No answer',
+        'There was no answer at 12:00:02.',
+        'verbalize_plan gave no reply in 5 s',
+    )
+    assert status(replace(failed, status=PLANNING)).kind == 'working'
+    assert status(failed.with_answer(answer(), '12:00:03')).kind == 'ready'
+
+
+def test_a_failed_call_never_contradicts_what_else_is_known(heard: Heard) -> None:
     failed = replace(heard, status=BAD_PLAN).with_failure('no action "fly"', '12:00:02')
-    assert said(failed).failure == 'At 12:00:02 there was no answer: No action "fly".'
-    assert said(replace(failed, status=READY)).failure == ''
-    assert said(failed.with_answer(answer(), '12:00:03')).failure == ''
+    assert status(failed) == status(replace(heard, status=BAD_PLAN))
+    silent = replace(heard, silent=True).with_failure('no reply', '12:00:02')
+    assert (status(silent).word, status(silent).details) == ('Silent', 'no reply')
 
 
-@pytest.mark.parametrize(
-    ('explanation', 'note'),
-    [
-        ({'sentences': [], 'positions': []}, 'There is nothing more to say about this plan.'),
-        (
-            {'sentences': [], 'positions': [], 'plan': []},
-            "Nothing is left to do: the robot's goal is reached.",
-        ),
-    ],
-)
-def test_an_answer_without_sentences_says_why(
-    heard: Heard, explanation: dict[str, object], note: str
+def test_what_is_heard_is_shown_a_sentence_a_line(heard: Heard) -> None:
+    told = heard.with_answer(answer(spoken='I take the cup and a plate.\nI leave.'), '12:00:03')
+    assert said(told).sentences == ('I take the cup and a plate.', 'I leave.')
+
+
+def test_the_belief_is_set_beside_what_the_baselines_would_have_told(heard: Heard) -> None:
+    others = [
+        {'strategy': 'increasing', 'positions': [0], 'understanding': 0.1},
+        {'strategy': 'decreasing', 'positions': [1], 'understanding': 0.15},
+    ]
+    shown = belief(heard.with_answer(answer(baselines=others), '12:00:03'))
+    assert shown is not None
+    assert (shown.before, shown.after, shown.goal) == (0.1, 0.2, 'the tenth')
+    assert shown.instead == (('its first step', 0.1), ('its last step', 0.15))
+    itself = belief(heard.with_answer(answer(baselines=others, strategy='increasing'), ''))
+    assert itself is not None
+    assert [name for name, _ in itself.instead] == ['its last step']
+    assert belief(replace(heard, answer=None)) is None
+
+
+def test_the_timeline_tells_what_is_done_now_and_said_and_folds_a_long_plan(
+    heard: Heard,
 ) -> None:
-    assert said(heard.with_answer(answer(**explanation), '12:00:03')).note == note
+    rows: list[dict[str, object]] = [
+        {
+            'position': i,
+            'action': '(go)',
+            'sentence': 'I will go.',
+            'information_gain': 0.1,
+            'status': standing,
+        }
+        for i, standing in enumerate(['done', 'running', *['ahead'] * (MOST_STEPS - 2)])
+    ]
+    short = timeline(heard.with_answer(answer(plan=rows), ''))
+    long = timeline(heard.with_answer(answer(plan=[*rows, {**rows[-1], 'position': 12}]), ''))
+    assert short is not None
+    assert long is not None
+    assert [mark.status for mark in short.marks[:3]] == ['done', 'running', 'ahead']
+    assert [mark.number for mark in short.marks if mark.said] == [2]
+    assert (short.done, short.said, short.long, long.long) == (1, 1, False, True)
+    assert timeline(heard.with_answer(answer(plan=[]), '')) is None
+
+
+def test_goals_that_lack_a_part_of_each_candidate_are_a_row_without_a_name(heard: Heard) -> None:
+    goals = [*EXPLANATION['goals'], {'name': None, 'prior': 0.3, 'posterior': 0.5}]  # type: ignore[misc]
+    tables = explained(heard.with_answer(answer(goals=goals), ''))
+    assert tables is not None
+    assert tables.goals[0].name is None
 
 
 def test_the_steps_that_were_said_are_marked(heard: Heard) -> None:

@@ -10,28 +10,62 @@ from mirror_explainer.errors import InputError
 
 @dataclass(frozen=True)
 class Goal:
-    """A candidate goal, and how likely the listener finds it before and after the answer."""
+    """A candidate goal, and how likely the listener finds it before and after the answer.
 
-    name: str
+    `name` is None for all that lacks a part of every candidate.
+    """
+
+    name: str | None
     prior: float
     posterior: float
 
 
 @dataclass(frozen=True)
+class Fact:
+    """An uncertain fact, likewise, and whether it holds."""
+
+    fact: str
+    prior: float
+    posterior: float
+    true: bool
+
+
+@dataclass(frozen=True)
 class Step:
-    """An action of the plan; `information_gain` is what it would tell alone, in nats."""
+    """An action of the plan; `information_gain` is what it would tell alone, in nats.
+
+    `status` says whether it is `done`, `running` or `ahead`.
+    """
 
     position: int
     action: str
     sentence: str
     information_gain: float
+    status: str = 'ahead'
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """What the first or the last steps, as many as are said, would have told instead."""
+
+    strategy: str
+    understanding: float
+
+
+@dataclass(frozen=True)
+class Episode:
+    """Which of the robot's tasks an answer is about, and why it began."""
+
+    number: int
+    reason: str = ''
 
 
 @dataclass(frozen=True)
 class Answer:
-    """An answer, as `~/explanation` has it; the README says what the names mean."""
+    """An answer, as `~/explanation` has it; docs/answer.md says what the names mean."""
 
     strategy: str
+    spoken: str
     sentences: tuple[str, ...]
     positions: tuple[int, ...]
     cross_entropy_before: float
@@ -44,6 +78,11 @@ class Answer:
     goals: tuple[Goal, ...]
     plan: tuple[Step, ...]
     inputs: str
+    planned: float = 1.0
+    unmentioned: tuple[str, ...] = ()
+    facts: tuple[Fact, ...] = ()
+    baselines: tuple[Baseline, ...] = ()
+    episode: Episode | None = None
 
     def comparable(self, other: 'Answer') -> bool:
         """Whether both are about the same plan, for a listener who knew as much before."""
@@ -71,8 +110,8 @@ def read_answer(text: str, source: str) -> Answer:
 class Status:
     """The newest of the explainer's diagnostics; `level` is that of a DiagnosticStatus.
 
-    `state` and `inputs` are the values of these keys, and `cure` that of `what to do`,
-    '' where there are none.
+    `state`, `inputs` and `episode` are the values of these keys, and `cure` that of
+    `what to do`, '' where there are none.
     """
 
     level: int
@@ -80,6 +119,7 @@ class Status:
     state: str = ''
     inputs: str = ''
     cure: str = ''
+    episode: str = ''
 
     @classmethod
     def of(cls, level: int, message: str, values: Mapping[str, str]) -> 'Status':
@@ -91,7 +131,12 @@ class Status:
             values.get('state', ''),
             values.get('inputs', ''),
             '' if cure == 'nothing' else cure,
+            values.get('episode', ''),
         )
+
+    def task(self) -> str:
+        """Return what stands for the robot's present task: the episode, or else the inputs."""
+        return self.episode or self.inputs
 
 
 @dataclass(frozen=True)
@@ -149,6 +194,18 @@ class Heard:
     def state(self) -> str:
         """The explainer's state, as far as it is known."""
         return 'silent' if self.status is None or self.silent else self.status.state
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the answer is about the task that the robot has now, as far as is known.
+
+        A step that is done changes the inputs, but not the task.
+        """
+        if self.answer is None or self.status is None:
+            return False
+        if self.status.episode and self.answer.episode:
+            return self.status.episode == str(self.answer.episode.number)
+        return self.status.inputs == self.answer.inputs
 
     def with_answer(self, answer: Answer, at: str) -> 'Heard':
         """Return what was heard, and now this answer."""

@@ -1,41 +1,69 @@
 """What the operator's page says of what was heard: the words, and the rows of its tables.
 
-It never passes off an old answer as new: `currency` says what is known of its age.
+It never passes off an old answer as new, and says one thing about how things stand: the one
+that matters most now (`status`).
 """
 
 from dataclasses import dataclass
 
-from mirror_explainer.web.operator.heard import Answer, Goal, Heard, Step
+from mirror_explainer.web.operator.heard import Answer, Fact, Goal, Heard, Step
 
 MOST_GOALS = 6  # that are shown at once; the others on request
 SLIDER_END = 10  # where the length of the plan is not known yet
+MOST_STEPS = 12  # of a timeline with its sentences; a longer one is a row that can be opened
 
 
 @dataclass(frozen=True)
-class Condition:
-    """How the explainer is: a kind (a word, and a name for the style), and words."""
+class Status:
+    """How things stand: a kind (the style's name), a word, a sentence, what to do, details.
+
+    `details` are the explainer's own words, for whoever mends it.
+    """
 
     kind: str
-    words: str
+    word: str
+    sentence: str
+    cure: str = ''
+    details: str = ''
 
 
-def condition(heard: Heard) -> Condition:
-    """Say how the explainer is."""
-    status = heard.status
-    if status is None:
-        return Condition(
-            'silent', f'Nothing was heard of {heard.explainer} on /diagnostics yet. Is it running?'
-        )
-    if heard.silent:
-        return Condition(
-            'silent', f'No news from {heard.explainer} for 5 s, the last at {heard.status_at}.'
-        )
-    if status.state == 'planning':
-        return Condition('working', 'The robot works out what to say.')
-    if status.level:
-        kind = 'error' if status.level > 1 else 'warning'
-        return Condition(kind, f'{_sentence(status.message)} {status.cure}'.strip())
-    return Condition('ready', 'The robot can be asked.')
+def status(heard: Heard) -> Status:
+    """Say how things stand: what is wrong, or else what is new, or that all is well."""
+    failure = heard.failure
+    if failure and failure.state != heard.state:
+        failure = None  # the reason has passed
+    reason = failure.reason if failure else ''
+    told = heard.status
+    if told is None or heard.silent:
+        return _silent(heard, reason)
+    if told.level > 1 and told.state != 'planning':
+        sentence = 'What the robot tells of its task has a fault: it cannot be explained.'
+        return Status('fault', 'Fault', sentence, told.cure, told.message)
+    if failure:
+        sentence = f'There was no answer at {failure.at}.'
+        return Status('fault', 'No answer', sentence, 'Ask again.', reason)
+    if told.state == 'planning':
+        return Status('working', 'Working', 'The robot works out what to say.')
+    if heard.answer is not None and not heard.is_current and heard.state == 'ready':
+        sentence = 'The robot has another plan since: this answer is about the one before.'
+        return Status('old', 'New plan', sentence, 'Ask again.')
+    if told.level and told.state == 'ready':
+        sentence = 'The robot can be asked, with a reservation.'
+        return Status('remark', 'Ready', sentence, told.cure, told.message)
+    if told.level:
+        sentence = 'The robot has not told what it is up to yet.'
+        return Status('working', 'Waiting', sentence, told.cure, told.message)
+    return Status('ready', 'Ready', 'The robot can be asked.')
+
+
+def _silent(heard: Heard, reason: str) -> Status:
+    cure = 'Is the explainer running? An answer below may be old.'
+    if heard.status is None:
+        cure = 'Is the explainer running?'
+        sentence = f'Nothing was heard of {heard.explainer} yet.'
+    else:
+        sentence = f'No news from {heard.explainer} for 5 s, the last at {heard.status_at}.'
+    return Status('silent', 'Silent', sentence, cure, reason)
 
 
 def progress(heard: Heard) -> str:
@@ -45,62 +73,116 @@ def progress(heard: Heard) -> str:
 
 
 @dataclass(frozen=True)
-class Currency:
-    """Whether the answer is about the newest inputs: words if not, or if that is not known.
-
-    `ask` names the inputs that it is time to ask about, for a browser that does so by
-    itself: once for each.
-    """
-
-    words: str = ''
-    ask: str = ''
-
-
-def currency(heard: Heard, follow: bool) -> Currency:
-    """Say whether the answer shown is about what the robot is up to now.
-
-    A browser that follows asks again once the robot is ready; not with `remember`,
-    for that would use up what there is to say.
-    """
-    if heard.answer is None:
-        return Currency()
-    if heard.status is None or heard.silent:
-        return Currency('This answer may be old: it is not known what the robot plans now.')
-    if heard.status.inputs == heard.answer.inputs:
-        return Currency()
-    old = 'This answer is about an older plan: what the robot plans or knows has changed since.'
-    if heard.state == 'ready':
-        asks = follow and heard.settings is not None and not heard.settings.remember
-        return Currency(f'{old} Ask again.', heard.status.inputs if asks else '')
-    if heard.state == 'planning':
-        return Currency(f'{old} The robot works out a new one.')
-    return Currency(f'{old} A new one cannot be given now.')
-
-
-@dataclass(frozen=True)
 class Said:
-    """The outcome of the newest call: sentences, or a note in their place, and its time."""
+    """What the robot said last, a sentence each; `old` where that may be about another plan."""
 
     sentences: tuple[str, ...] = ()
-    note: str = ''
-    failure: str = ''
     at: str = ''
+    old: bool = False
 
 
 def said(heard: Heard) -> Said:
-    """Return what the robot said, and why it said no more."""
-    failure = heard.failure
-    reason = ''
-    if failure and failure.state == heard.state:  # else the reason has passed
-        reason = f'At {failure.at} there was no answer: {_sentence(failure.reason)}'
-    if heard.answer is None:
-        return Said(note='Nobody has asked yet.', failure=reason)
-    note = ''
-    if not heard.answer.plan:
-        note = "Nothing is left to do: the robot's goal is reached."
-    elif not heard.answer.sentences:
-        note = 'There is nothing more to say about this plan.'
-    return Said(heard.answer.sentences, note, reason, heard.answered_at)
+    """Return what the robot said."""
+    answer = heard.answer
+    if answer is None:
+        return Said()
+    lines = answer.spoken.split('\n') if answer.spoken else answer.sentences
+    return Said(tuple(lines), heard.answered_at, heard.silent or not heard.is_current)
+
+
+def asks(heard: Heard, follow: bool) -> str:
+    """Return the task that it is time to ask about, for a browser that does so by itself.
+
+    Once for each, the first included. Not with `remember`, for that would use up what
+    there is to say.
+    """
+    due = heard.answer is None or not heard.is_current
+    settled = heard.settings is not None and not heard.settings.remember
+    if not (follow and due and settled and heard.status and heard.state == 'ready'):
+        return ''
+    return heard.status.task()
+
+
+@dataclass(frozen=True)
+class Belief:
+    """How likely the listener finds the robot's goal: before, after, and had it said other steps.
+
+    `instead` are names of other steps and how likely it would be then.
+    """
+
+    goal: str
+    before: float
+    after: float
+    instead: tuple[tuple[str, float], ...]
+    unmentioned: tuple[str, ...]
+    planned: float
+
+
+def belief(heard: Heard) -> Belief | None:
+    """Return what the answer does to the listener's belief; None where there is none."""
+    answer = heard.answer
+    if answer is None:
+        return None
+    number = len(answer.positions)
+    steps = 'step' if number == 1 else f'{number} steps'
+    names = {'increasing': f'its first {steps}', 'decreasing': f'its last {steps}'}
+    return Belief(
+        answer.true_goal,
+        answer.understanding_before,
+        answer.understanding,
+        tuple(
+            (names[other.strategy], other.understanding)
+            for other in answer.baselines
+            if other.strategy in names and other.strategy != answer.strategy and number
+        ),
+        answer.unmentioned if answer.sentences else (),
+        answer.planned,
+    )
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A step of the timeline: its number from 1, its sentence, whether it is said, its status."""
+
+    number: int
+    sentence: str
+    said: bool
+    status: str
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """The plan from its first step to the last; `long` ones are a row that can be opened."""
+
+    marks: tuple[Mark, ...]
+
+    @property
+    def long(self) -> bool:
+        """Whether there are too many for their sentences to be shown."""
+        return len(self.marks) > MOST_STEPS
+
+    @property
+    def done(self) -> int:
+        """How many steps are done."""
+        return sum(mark.status == 'done' for mark in self.marks)
+
+    @property
+    def said(self) -> int:
+        """How many steps are said."""
+        return sum(mark.said for mark in self.marks)
+
+
+def timeline(heard: Heard) -> Timeline | None:
+    """Return the plan as a timeline; None where there is none."""
+    answer = heard.answer
+    if answer is None or not answer.plan:
+        return None
+    return Timeline(
+        tuple(
+            Mark(i, step.sentence, step.position in answer.positions, step.status)
+            for i, step in enumerate(answer.plan, start=1)
+        )
+    )
 
 
 @dataclass(frozen=True)
@@ -111,6 +193,7 @@ class Explained:
     steps: tuple[tuple[Step, bool], ...]  # whether it is said
     goals: tuple[Goal, ...]
     other_goals: tuple[Goal, ...]
+    facts: tuple[Fact, ...]
     tried: tuple[Answer, ...]
 
 
@@ -127,6 +210,7 @@ def explained(heard: Heard) -> Explained | None:
         tuple((step, step.position in answer.positions) for step in answer.plan),
         tuple(goal for goal in goals if goal.name in first),
         tuple(goal for goal in goals if goal.name not in first),
+        answer.facts,
         heard.tried if len(heard.tried) > 1 else (),
     )
 
@@ -155,10 +239,12 @@ def controls(heard: Heard) -> Controls:
 def parts(heard: Heard, follow: bool) -> dict[str, object]:
     """Return all that the page shows, by the names of its parts."""
     return {
-        'condition': condition(heard),
+        'status': status(heard),
         'progress': progress(heard),
-        'currency': currency(heard, follow),
+        'asks': asks(heard, follow),
         'said': said(heard),
+        'belief': belief(heard),
+        'timeline': timeline(heard),
         'explained': explained(heard),
         'controls': controls(heard),
     }
@@ -171,9 +257,3 @@ def percent(probability: float) -> str:
     if 0.99 < probability < 1 - 1e-9:
         return 'over 99\u00a0%'
     return f'{100 * probability:.0f}\u00a0%'
-
-
-def _sentence(text: str) -> str:
-    """Return a message as a sentence of its own."""
-    text = text.strip()
-    return text[:1].upper() + text[1:] + ('' if text.endswith(('.', '?', '!')) else '.')

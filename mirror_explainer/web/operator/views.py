@@ -16,6 +16,8 @@ from mirror_explainer.settings import STRATEGIES
 from mirror_explainer.web.operator import shown
 from mirror_explainer.web.operator.site import Explainer
 
+_NOT_DISPLAYED = ('controls', 'explained')  # of what a display shows
+
 
 @dataclass(frozen=True)
 class Part:
@@ -43,10 +45,14 @@ class Adjustment(forms.Form):
 
 
 def page(request: HttpRequest) -> HttpResponse:
-    """Return the whole page; with `?follow=on` it asks again by itself from the start."""
+    """Return the whole page; with `?follow=on` it asks by itself from the start.
+
+    With `?display=on` it does so, too, and is for a wall: large, without anything to set.
+    """
     context = {
         'parts': {part.name: part for part in _parts(request.GET)},
         'follow': _follows(request.GET),
+        'display': _is_display(request.GET),
         'explainer': _explainer().heard().explainer,
     }
     return render(request, 'operator/page.html', context)
@@ -91,12 +97,17 @@ def _explainer() -> Explainer:
 
 
 def _follows(query: QueryDict) -> bool:
-    return bool(query.get('follow') == 'on')
+    return query.get('follow') == 'on' or _is_display(query)
+
+
+def _is_display(query: QueryDict) -> bool:
+    return 'on' in query.getlist('display')
 
 
 def _parts(query: QueryDict) -> list[Part]:
     shows = shown.parts(_explainer().heard(), _follows(query))
-    return [Part(name, what) for name, what in shows.items()]
+    left_out = _NOT_DISPLAYED if _is_display(query) else ()
+    return [Part(name, what) for name, what in shows.items() if name not in left_out]
 
 
 def _changed(request: HttpRequest, query: QueryDict) -> HttpResponse:
