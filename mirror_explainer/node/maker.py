@@ -16,8 +16,9 @@ from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.stop_request import StopRequest
-from mirror_explainer.pddl import Task, forget_expressions, read_task, require_definition
+from mirror_explainer.pddl import Task, require_definition
 from mirror_explainer.pddl.plan_text import read_plan
+from mirror_explainer.pddl.task_reader import TaskReader
 from mirror_explainer.planning import Planner
 from mirror_explainer.text_files import TextFiles
 
@@ -47,6 +48,7 @@ class Maker:
         self._planner: Planner | None = None
         self._planner_lock = threading.Lock()
         self._closed = False
+        self._reader = TaskReader()
         self._task: tuple[Text, Text, InputLimits, Task] | None = None
 
     def warm_up(self) -> None:
@@ -109,7 +111,7 @@ class Maker:
         limits = inputs.limits
         read_file = partial(self.files.read, limits=limits)
         domain = inputs.domain or Text(read_file(inputs.domain_file), inputs.domain_file)
-        task = self._read(domain, inputs.problem, limits)
+        task = self._read(domain, inputs.problem, limits, stop)
         stop.check()
         user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
         self.phrases = user_model.phrases
@@ -165,12 +167,13 @@ class Maker:
         if planner:
             planner.close()
 
-    def _read(self, domain: Text, problem: Text, limits: InputLimits) -> Task:
+    def _read(self, domain: Text, problem: Text, limits: InputLimits, stop: StopRequest) -> Task:
         """Return the task, read again only when its texts or the limits changed."""
         if self._task is None or self._task[:3] != (domain, problem, limits):
             self._task = None
-            forget_expressions()
-            task = read_task(domain.text, problem.text, domain.source, problem.source, limits)
+            task = self._reader.read(
+                domain.text, problem.text, domain.source, problem.source, limits, stop.check
+            )
             self._task = (domain, problem, limits, task)
         return self._task[3]
 
