@@ -101,7 +101,7 @@ def peer(program: Program, ros: None) -> Iterator[Peer]:
     peer.close()
 
 
-DEADLINE = 8.0
+DEADLINE = 60.0  # s
 _numbers = itertools.count()
 
 
