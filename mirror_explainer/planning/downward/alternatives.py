@@ -62,7 +62,7 @@ def alternatives(
             found.append(Alternatives(walk, task, most))
         for node, plan in walk.optimal():
             if task is None or not plan:
-                own = Plan(plan, walk.cost(plan))
+                own = Plan(plan, walk.cost(node, plan))
                 settled[node] = BeliefPlans(Status.SOLVED, (own,), cut='number' if plan else '')
     return found, settled
 
@@ -119,6 +119,10 @@ class Alternatives:
         """Return the actions if they reach the goal, None otherwise."""
         return self._walk.checked(subject.node, actions)
 
+    def cost(self, subject: Alternative, plan: tuple[str, ...]) -> float:
+        """Return what a plan costs, in the problem's metric."""
+        return self._walk.cost(subject.node, plan)
+
     def settle(self, subject: Alternative, finding: Finding | None) -> None:
         """Go on to the next search, or put the plans together."""
         if finding and finding.plan and self._is_optimal(subject, finding.plan):
@@ -151,7 +155,7 @@ class Alternatives:
         """Return all plans once they are put together, None before."""
         if subject.result is None:
             return None
-        cost = self._walk.cost(subject.plan)
+        cost = self.cost(subject, subject.plan)
         plans = tuple(Plan(actions, cost) for actions in subject.result.plans)
         cut: Cut = '' if subject.result.all else 'number' if subject.complete else 'time'
         return BeliefPlans(Status.SOLVED, plans, cut=cut)

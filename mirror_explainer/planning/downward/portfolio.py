@@ -47,7 +47,7 @@ class Portfolio:
     """The searches for the goals of one task. What suited one goal is tried first on the next."""
 
     def __init__(self, members: Sequence[str]) -> None:
-        self._members = list(members)
+        self.members = list(members)
         self._enough: dict[str, float] = {}
 
     def next_try(self, states: float, tried: Mapping[str, float], left: float) -> Try | None:
@@ -56,12 +56,12 @@ class Portfolio:
         `tried` has the longest time that each search was tried for, infinity if it cannot
         be tried for longer; so many seconds are `left`.
         """
-        order = [member for member in self._members if tried.get(member, 0.0) < math.inf]
+        order = [member for member in self.members if tried.get(member, 0.0) < math.inf]
         if not order or left <= 0.0:
             return None
         if states <= _FEW_STATES:
             order.sort(key=lambda member: member != _BLIND)
-        if len(self._members) == 1:
+        if len(self.members) == 1:
             return Try(order[0], left)
         if order[0] in self._enough and not tried:
             return Try(order[0], min(max(_FIRST_TRY, _LEEWAY * self._enough[order[0]]), left))
@@ -72,4 +72,4 @@ class Portfolio:
     def learn(self, configuration: str, seconds: float) -> None:
         """Take note that a search came to its end in so many seconds."""
         self._enough[configuration] = max(seconds, self._enough.get(configuration, 0.0))
-        self._members.sort(key=lambda member: member != configuration)
+        self.members.sort(key=lambda member: member != configuration)

@@ -59,6 +59,9 @@ class Subjects(Protocol):
     def checked(self, subject: Any, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the plan in a search's actions, None if it does not reach the goal."""
 
+    def cost(self, subject: Any, plan: tuple[str, ...]) -> float:
+        """Return what a plan costs, in the problem's metric."""
+
     def settle(self, subject: Any, finding: Finding | None) -> None:
         """Take in all that will be known of a subject, None if that is nothing."""
 

@@ -142,7 +142,7 @@ class SupersetWalk:
         """Return the actions if they reach the goal, None otherwise."""
         return tuple(actions) if self._works(node, actions) else None
 
-    def cost(self, plan: Sequence[str]) -> float:
+    def cost(self, _: Node, plan: Sequence[str]) -> float:
         """Return a plan's cost, in the problem's metric."""
         return self.task.cost(plan) / self._scale
 
@@ -152,7 +152,7 @@ class SupersetWalk:
             return None
         if finding.plan is None:
             return BeliefPlans(Status.UNSOLVABLE)
-        plan = Plan(finding.plan, self.cost(finding.plan))
+        plan = Plan(finding.plan, self.cost(node, finding.plan))
         # Until further plans were looked for, it is time that they lack.
         cut: Cut = 'time' if self.provisional and finding.plan else ''
         return BeliefPlans(Status.SOLVED, (plan,), cut=cut)

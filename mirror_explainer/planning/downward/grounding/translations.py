@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Plan, Status
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
+from mirror_explainer.planning.downward.grounding.replay import reaches_goal
 from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN, Portfolio
-from mirror_explainer.planning.downward.replay import reaches_goal
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 
 
@@ -49,7 +49,7 @@ class Translations:
         works = reaches_goal(single.translation.task, actions)
         return tuple(actions[:-1]) if works else None
 
-    def _cost(self, single: Single, plan: Sequence[str]) -> float:
+    def cost(self, single: Single, plan: Sequence[str]) -> float:
         """Return a plan's cost, in the problem's metric."""
         assert single.translation is not None, 'a plan is found with it'
         costs = single.translation.costs
@@ -61,7 +61,7 @@ class Translations:
             return None
         if finding.plan is None:
             return BeliefPlans(Status.UNSOLVABLE)
-        return BeliefPlans(Status.SOLVED, (Plan(finding.plan, self._cost(single, finding.plan)),))
+        return BeliefPlans(Status.SOLVED, (Plan(finding.plan, self.cost(single, finding.plan)),))
 
     def settle(self, single: Single, finding: Finding | None) -> None:
         """Take note of nothing: no belief depends on another."""

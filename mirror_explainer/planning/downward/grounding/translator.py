@@ -39,7 +39,7 @@ from mirror_explainer.planning.downward.grounding.pddl_lists import (
     edited_problem,
     read_lists,
 )
-from mirror_explainer.planning.downward.replay import canonical_name
+from mirror_explainer.planning.downward.grounding.replay import canonical_name
 
 _INVARIANT_SECONDS = 30
 

@@ -1,0 +1,143 @@
+"""Each search of the portfolio finds the optimal costs, on whatever is left of a task."""
+
+import os
+from pathlib import Path
+from random import Random
+
+import pytest
+from derived_cases import random_derived_space
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from pddl_cases import TOOLS, random_space
+from plain_downward import plain_costs
+
+from mirror_explainer.experiments.planning.cases import every_belief
+from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
+from mirror_explainer.planning.downward.grounding import translator
+from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
+from mirror_explainer.planning.downward.grounding.translations import Translations
+from mirror_explainer.planning.downward.portfolio import PLAIN, Portfolio
+from mirror_explainer.planning.downward.program import Search, find_downward
+from mirror_explainer.planning.downward.subject import SearchInput, Subjects
+from mirror_explainer.planning.downward.superset_walk import SupersetWalk
+
+SPACES = -(-int(os.environ.get('MIRROR_EXPLAINER_BELIEFS', '320')) // 40)
+FOREVER = 1000.0  # s
+BLIND = 'astar(blind())'
+LMCUT = PLAIN[0]
+
+
+def every_subject(lists: Lists, space: BeliefSpace) -> list[Subjects]:
+    """Return the space's beliefs as tasks, one by one and, where that can be, grounded at once."""
+    beliefs = every_belief(space)
+    grounding = translator.ground(lists)
+    singles = Translations(lists, space, beliefs)
+    if isinstance(grounding, str):
+        return [singles]
+    together = [belief for belief in beliefs if belief.goal not in grounding.hard_goals]
+    initial = translator.initial_atoms(lists)
+    # Each belief by itself, so that none is known by another.
+    walks = [SupersetWalk(grounding, initial, [b], lists.scale, False) for b in together]
+    return [*walks, singles]
+
+
+def searched(subjects: Subjects, subject: object, task: SearchInput, member: str) -> float | None:
+    """Return the cost that one search finds, None if it says that there is no plan."""
+    search = Search(find_downward('') or '', task.text, member, FOREVER)
+    outcome = search.outcome()
+    assert outcome.status is not Status.UNKNOWN, (member, outcome)
+    if outcome.status is Status.UNSOLVABLE:
+        return None
+    plan = subjects.checked(subject, outcome.actions)
+    assert plan is not None, (member, outcome.actions)
+    return subjects.cost(subject, plan)
+
+
+def check_every_member(space: BeliefSpace) -> int:
+    """Compare each search for each belief with Fast Downward called plainly; return how many."""
+    lists = translator.parse(space)
+    beliefs = every_belief(space)
+    expected = dict(zip(beliefs, plain_costs(space, beliefs, BLIND), strict=True))
+    compared = 0
+    for subjects in every_subject(lists, space):
+        while subjects.ready:
+            subject = subjects.ready.popleft()
+            cost = expected[subject.members[0]]
+            finding = subjects.known(subject)
+            if finding is not None:
+                assert (finding.plan is None) == (cost is None)
+                continue
+            whole = subjects.search_input(subject)
+            for task in [whole, *([whole.thorough()] if whole.thorough else [])]:
+                for member in task.portfolio.members:
+                    assert searched(subjects, subject, task, member) == cost, member
+                    compared += 1
+    return compared
+
+
+BY_SEED = settings(
+    max_examples=SPACES,
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+    database=None,
+)
+
+
+@BY_SEED
+@given(seed=st.integers(0, 2**32))
+def test_every_search_finds_what_fast_downward_says(seed: int) -> None:
+    check_every_member(random_space(Random(seed)))
+
+
+def test_every_search_for_conditional_effects_finds_what_fast_downward_says() -> None:
+    spaces = (random_space(Random(seed)) for seed in range(1000))
+    conditional = [space for space in spaces if '(when' in space.domain][: max(2, SPACES // 4)]
+
+    assert sum(map(check_every_member, conditional)) > 0
+
+
+@settings(BY_SEED, max_examples=max(2, SPACES // 4))
+@given(seed=st.integers(0, 2**32))
+def test_every_search_for_derived_predicates_finds_what_fast_downward_says(seed: int) -> None:
+    check_every_member(random_derived_space(Random(seed)))
+
+
+def test_short_tries_of_every_search_come_before_longer_ones() -> None:
+    tried: dict[str, float] = {}
+    left = 5.0
+    tries = []
+    while found := Portfolio(PLAIN).next_try(1e9, tried, left):
+        tries.append(found)
+        tried[found.configuration] = found.seconds
+        left -= found.seconds
+
+    assert [each.configuration for each in tries[:4]] == list(PLAIN)
+    # 4 · 0.1 + 4 · 0.4 = 2; 1.6 of the other 3, and the rest
+    assert [each.seconds for each in tries] == pytest.approx([*[0.1] * 4, *[0.4] * 4, 1.6, 1.4])
+
+
+def test_where_there_are_few_states_they_are_looked_at_first() -> None:
+    first = Portfolio(PLAIN).next_try(1000, {}, 10.0)
+
+    assert first is not None and first.configuration == BLIND
+
+
+def test_what_suited_one_goal_is_tried_first_and_for_long_enough_at_the_next() -> None:
+    portfolio = Portfolio(PLAIN)
+    portfolio.learn(PLAIN[1], 0.3)
+    first = portfolio.next_try(1e9, {}, 10.0)
+    second = portfolio.next_try(1e9, {PLAIN[1]: 0.6}, 9.4)
+
+    assert first is not None and (first.configuration, first.seconds) == (PLAIN[1], 0.6)
+    assert second is not None and (second.configuration, second.seconds) == (LMCUT, 0.1)
+
+
+def test_the_time_in_which_a_search_does_not_work_does_not_count(tmp_path: Path) -> None:
+    slow = tmp_path / 'downward'
+    slow.write_text(f'#!/bin/sh\nsleep 0.5\nexec {find_downward("")} "$@"\n')
+    slow.chmod(0o755)
+    with Planner(planning_timeout=0.2, downward_binary=str(slow)) as planner:
+        [result] = planner.plan(TOOLS, [Belief(0)]).results
+
+    assert result.plans[0].cost == 7 + 1
