@@ -26,10 +26,6 @@ class Phrases:
         'I do not know yet. Please ask me again in a moment.',
         'The plan has not come yet, or is still being read.',
     )
-    unclear: str = _phrase(
-        'I cannot tell you what I am up to right now.',
-        'What the robot plans cannot be read or explained; the log and /diagnostics say why.',
-    )
     all_heard: str = _phrase(
         'You have heard all that I am up to.', 'Every step of the plan was said before.'
     )
