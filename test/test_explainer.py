@@ -328,6 +328,24 @@ def test_planning_refines_what_is_known_step_by_step(
     assert shares == sorted(shares)
 
 
+def test_files_are_explained_in_one_call(warehouse: Path) -> None:
+    import mirror_explainer as me
+
+    told = me.explain_files(
+        warehouse / 'domain.pddl',
+        warehouse / 'problem.pddl',
+        warehouse / 'plan.txt',
+        user_model=warehouse / 'user_model.yaml',
+        n=2,
+    )
+
+    assert told.spoken == 'I will grab a blue cube and a red circle.'
+    assert told.complete
+    assert {name for name in me.__all__ if getattr(me, name)} == set(me.__all__)
+    with pytest.raises(AttributeError, match='no attribute'):
+        me.nothing_of_this_name  # noqa: B018
+
+
 NUMBER = (int, float)
 TEXT_OR_NONE = (str, type(None))
 TYPES = {

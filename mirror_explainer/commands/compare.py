@@ -15,7 +15,7 @@ from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.offline import (
     add_file_arguments,
     add_planning_arguments,
-    prepare_files,
+    prepare_as_asked,
     strategy_curves,
 )
 from mirror_explainer.commands.options import number
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         require_extras('experiments')
-        preparation = prepare_files(options)
+        preparation = prepare_as_asked(options)
         model = preparation.model_for(chosen(preparation.listener, options.listener))
         for warning in preparation.warnings:
             print(f'compare: warning: {warning}', file=sys.stderr)

@@ -4,12 +4,13 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
 from mirror_explainer.commands.options import add_settings, settings_from
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError, told
-from mirror_explainer.explainer import robot_plan, robot_plan_of
+from mirror_explainer.explainer import Explanation, explain, robot_plan, robot_plan_of
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import (
     Preparation,
@@ -25,7 +26,7 @@ from mirror_explainer.pddl.situation import Situation, situation_of
 from mirror_explainer.planning import Planner
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import Selection, baseline, curve
-from mirror_explainer.settings import PlanningSettings
+from mirror_explainer.settings import PlanningSettings, Question
 from mirror_explainer.text_files import read_text
 
 
@@ -47,28 +48,49 @@ def add_planning_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings(parser.add_argument_group('planning'), PlanningSettings)
 
 
-def prepare_files(options: argparse.Namespace) -> Preparation:
-    """Read the files and plan, as the options of both functions above say.
+@dataclass(frozen=True)
+class Files:
+    """The paths of what an explanation is made from; without a plan one is found."""
+
+    domain: str | Path
+    problem: str | Path
+    user_model: str | Path
+    plan: str | Path | None = None
+    progress: str | Path | None = None
+
+
+def prepare_as_asked(options: argparse.Namespace) -> Preparation:
+    """Read and plan as the options of both functions above say; see `prepare_files`."""
+    names = (item.name for item in fields(Files))
+    files = Files(**{name: getattr(options, name) for name in names})
+    return prepare_files(files, settings_from(PlanningSettings, options), _show_progress)
+
+
+def prepare_files(
+    files: Files,
+    settings: PlanningSettings,
+    progress: Callable[[int, int], None] | None = None,
+) -> Preparation:
+    """Read the files and plan; `progress` is told how many beliefs of how many are done.
 
     Where planning fails, what is known without it is returned, with a warning. Raises
     InputError, and PlanningError if the robot's own plan was to be found and is not.
     """
     started = time.perf_counter()
-    domain, problem = read_text(options.domain), read_text(options.problem)
+    domain, problem = read_text(str(files.domain)), read_text(str(files.problem))
 
     def read_problem(text: str) -> Task:
-        return read_task(domain, text, options.domain, options.problem)
+        return read_task(domain, text, str(files.domain), str(files.problem))
 
     task = read_problem(problem)
     situation = None
-    if options.plan:
-        situation = _given_plan(task, domain, problem, options.plan, read_problem)
+    if files.plan:
+        situation = _given_plan(task, domain, problem, str(files.plan), read_problem)
         task = read_problem(situation.problem)
-        if options.progress:
-            situation = situation.telling(read_text(options.progress), options.progress)
-    user_model = read_user_model(options.user_model, task)
+        if files.progress:
+            situation = situation.telling(read_text(str(files.progress)), str(files.progress))
+    user_model = read_user_model(files.user_model, task)
     read = time.perf_counter() - started
-    settings = settings_from(PlanningSettings, options)
     with Planner(
         settings.planner,
         workers=settings.workers,
@@ -80,11 +102,40 @@ def prepare_files(options: argparse.Namespace) -> Preparation:
         own = own or _own_plan(task, user_model, planner, settings)
         preparation = replace(prepare(task, own, user_model, settings), situation=situation)
         try:
-            preparation = refine(preparation, planner, progress=_show_progress)
+            preparation = refine(preparation, planner, progress=progress)
         except PlanningError as error:
             warning = f'answered without planning: {told(error)}'
             preparation = replace(preparation, warnings=(*preparation.warnings, warning))
     return replace(preparation, seconds=replace(preparation.seconds, read=read))
+
+
+def explain_files(
+    domain: str | Path,
+    problem: str | Path,
+    plan: str | Path | None = None,
+    *,
+    user_model: str | Path,
+    said: Sequence[str] = (),
+    planning: PlanningSettings | None = None,
+    **question: Any,
+) -> Explanation:
+    """Explain the robot's plan from files: what `verbalize` does, for a notebook.
+
+    Without a `plan` one is found. `said` are sentences that the listener has heard;
+    `question` are fields of Question, such as `n=2`. Raises InputError and PlanningError.
+
+        import mirror_explainer as me
+
+        folder = 'config/warehouse'
+        me.explain_files(
+            f'{folder}/domain.pddl', f'{folder}/problem.pddl', f'{folder}/plan.txt',
+            user_model=f'{folder}/user_model.yaml', n=2,
+        )
+
+    """
+    files = Files(domain, problem, user_model, plan)
+    preparation = prepare_files(files, planning or PlanningSettings())
+    return explain(preparation, Question(**question), said)
 
 
 def _given_plan(

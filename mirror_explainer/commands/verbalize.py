@@ -3,6 +3,7 @@
 import argparse
 import json
 import logging
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -11,7 +12,7 @@ from mirror_explainer.commands.in_words import in_words
 from mirror_explainer.commands.offline import (
     add_file_arguments,
     add_planning_arguments,
-    prepare_files,
+    prepare_as_asked,
     strategy_curves,
 )
 from mirror_explainer.commands.options import add_settings, settings_from, whole
@@ -36,6 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             write_text(options.output, text + '\n')
         else:
             print(text, flush=True)
+    except BrokenPipeError:  # whoever reads has enough, as `head` has
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (InputError, PlanningError, OSError) as error:
         print(f'verbalize: {told(error)}', file=sys.stderr)
         return 2
@@ -46,9 +49,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _verbalize(options: argparse.Namespace) -> str:
     """Return what the command prints."""
-    preparation = prepare_files(options)
+    preparation = prepare_as_asked(options)
     for warning in preparation.warnings:
         _log.warning('%s', warning)
+    if options.save_plan:
+        write_text(options.save_plan, '\n'.join([*preparation.way.plan.actions, '']))
     said = read_text(options.said).split('\n') if options.said else []
     n = options.n or (meaning_of(Question, 'n').most if options.threshold > 0 else Question.n)
     explanation = explain(
@@ -142,6 +147,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     output.add_argument('--curve', action='store_true', help='add all N for all strategies')
     output.add_argument('--json', action='store_true', help='everything, as one JSON object')
+    output.add_argument('--save-plan', metavar='FILE', help="write the robot's plan there, too")
     output.add_argument('--output', metavar='FILE', help='write there instead of printing')
     output.add_argument(
         '--log-level', choices=('debug', 'info', 'warning', 'error'), default='warning',

@@ -167,6 +167,30 @@ def test_without_a_plan_it_plans_and_a_threshold_says_only_what_is_needed(
     assert '100% sure (20% before)' in summary
 
 
+def test_the_plan_that_was_found_can_be_kept_and_given_back(verbalize, tmp_path: Path) -> None:
+    plan = tmp_path / 'plan.txt'
+
+    first = verbalize('--save-plan', plan, plan=None)
+    again = verbalize(plan=plan)
+
+    assert len(plan.read_text().splitlines()) == 10
+    assert first.stdout == again.stdout
+
+
+def test_a_reader_who_has_enough_is_no_error(without_ros, warehouse: Path) -> None:
+    words = ' '.join(arguments_of(['--json'], {}))
+    done = subprocess.run(
+        ['bash', '-c', f'"{sys.executable}" -m mirror_explainer.verbalize {words} | head -c 1'],
+        cwd=warehouse,
+        env=without_ros,
+        capture_output=True,
+        text=True,
+        timeout=2 * PATIENCE,
+    )
+
+    assert (done.stdout, done.stderr) == ('{', '')
+
+
 def test_what_was_said_and_the_strategy_shape_the_answer(verbalize, tmp_path: Path) -> None:
     said = tmp_path / 'said.txt'
     said.write_text(f'\ufeff{EXIT}\r\n\r\n  I will enter the red warehouse. \n', encoding='utf-8')
