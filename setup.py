@@ -85,6 +85,7 @@ setup(
             'user_study = mirror_explainer.experiments.study.user_study:main',
             'verbalize = mirror_explainer.commands.verbalize:main',
             'warehouse_robot = mirror_explainer.demo.warehouse_robot:main',
+            'who_understands = mirror_explainer.experiments.understanding.who_understands:main',
         ],
     },
 )

@@ -70,7 +70,11 @@ def dataset(tmp_path_factory):
     """Two domains of two instances: one in folders, one in archives as they are published."""
     root = tmp_path_factory.mktemp('dataset')
     _folder(root / 'rooms' / 'rooms_p01_hyp-0')
-    _folder(root / 'rooms' / 'rooms_p02_hyp-0', hyps_dat='\n'.join([*_POOL, '(held ghost)']))
+    _folder(
+        root / 'rooms' / 'rooms_p02_hyp-0',
+        hyps_dat='\n'.join([*_POOL, '(held ghost)']),
+        template_pddl=_TEMPLATE.replace('problem toy', 'problem other'),
+    )
     observed = '(go a b)\n(go b c)\n(take key c)\n'
     for number in (1, 2):
         name = f'halls_p0{number}_hyp-0'
@@ -129,7 +133,8 @@ def test_the_averages_are_those_of_the_rows_at_ten_to_a_hundred_percent(results)
     ).iloc[0]
     assert found['mean'] == pytest.approx(expected)
     assert found['low'] <= found['mean'] <= found['high']
-    assert found['instances'] == 2
+    assert found['instances'] == found['problems'] == 2
+    assert means[means['domain'] == 'halls'][['low', 'high']].isna().all(axis=None)  # one problem
     assert sorted(means['percent'].unique()) == list(range(10, 101, 10))
 
 
@@ -163,7 +168,10 @@ def test_the_report_states_each_finding_with_its_numbers_and_the_command(results
 def test_the_results_are_the_same_for_any_number_of_jobs(dataset, results, tmp_path):
     assert main(_arguments(dataset, tmp_path, '--seed', '3', '--jobs', '2')) == 0
 
-    for name in ('pucrs.csv', 'pucrs_averages.csv', 'pucrs_domains.csv', 'pucrs.svg', 'report.md'):
+    for name in (
+        'pucrs.csv', 'pucrs_averages.csv', 'pucrs_domains.csv', 'pucrs_findings.csv',
+        'pucrs.svg', 'report.md',
+    ):  # fmt: skip
         assert (tmp_path / name).read_bytes() == (results / name).read_bytes(), name
 
 

@@ -28,6 +28,7 @@ def every_row(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     for record in records:
         result = record['result']
         place = {'domain': record['domain'], 'instance': record['instance']}
+        place['problem'] = result['problem']
         place['plan_length'] = len(result['plan'])
         place['last_shared'] = result['last_shared']
         for row in result['rows']:
@@ -37,10 +38,15 @@ def every_row(records: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def at_percents(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return each instance's and strategy's row at 10 %, 20 %, … 100 % of its plan."""
+    """Return each instance's and strategy's row at 10 %, 20 %, … 100 % of its plan.
+
+    A plan that takes an action twice has fewer different ones than steps: with all of these
+    said, there is no more to say.
+    """
     parts = []
+    different = rows.groupby(['domain', 'instance'])['N'].transform('max')
     for percent in PERCENTS:
-        part = rows[rows['N'] == said_at(percent, rows['plan_length'])].copy()
+        part = rows[rows['N'] == said_at(percent, rows['plan_length']).clip(max=different)].copy()
         part.insert(2, 'percent', percent)
         parts.append(part)
     return pd.concat(parts, ignore_index=True)
@@ -49,7 +55,8 @@ def at_percents(rows: pd.DataFrame) -> pd.DataFrame:
 def averages(shares: pd.DataFrame) -> pd.DataFrame:
     """Return the mean over a domain's instances with its confidence interval.
 
-    The interval is the 95 % percentile bootstrap of the mean, instances resampled.
+    The interval is the 95 % percentile bootstrap of the mean, problems resampled with all of
+    their instances. A domain with a single problem has none.
     """
     lines = []
     for (domain, strategy, percent), group in shares.groupby(
@@ -57,7 +64,7 @@ def averages(shares: pd.DataFrame) -> pd.DataFrame:
     ):
         for measure in MEASURES:
             values = np.asarray(group[measure], dtype=np.float64)
-            mean, low, high = mean_interval(values, RESAMPLES)
+            mean, low, high = mean_interval(values, RESAMPLES, clusters=list(group['problem']))
             lines.append(
                 {
                     'domain': domain,
@@ -68,6 +75,7 @@ def averages(shares: pd.DataFrame) -> pd.DataFrame:
                     'low': low,
                     'high': high,
                     'instances': len(group),
+                    'problems': group['problem'].nunique(),
                 }
             )
     return pd.DataFrame(lines)

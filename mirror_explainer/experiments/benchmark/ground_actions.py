@@ -1,10 +1,12 @@
 """What a plan's actions need and bring about, as atoms, and how far from the goal they are."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import unified_planning.model as up
 
+from mirror_explainer.listener.user_model import CandidateGoal, UserModel
+from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task, atom_text, conjuncts, words_of
 
 
@@ -41,6 +43,25 @@ def ground_action(task: Task, action: str) -> GroundAction:
         ),
         added=atoms([effect.fluent for effect in effects if effect.value.is_true()]),
         deleted=atoms([effect.fluent for effect in effects if effect.value.is_false()]),
+    )
+
+
+def hearing_ground_actions(
+    task: Task, goals: Sequence[str], uncertain_facts: Mapping[str, float]
+) -> UserModel:
+    """Return a listener to whom all goals are equally likely, and who hears ground actions.
+
+    That is what the paper's experiments observe: no two actions sound alike.
+    """
+    templates = {}
+    for action in task.model.actions:
+        places = [f'{{{parameter.name}}}' for parameter in action.parameters]
+        templates[action.name] = Template(Wording(f'({" ".join([action.name, *places])})'))
+    return UserModel(
+        tuple(CandidateGoal(goal, goal, 1 / len(goals)) for goal in goals),
+        uncertain_facts,
+        templates=templates,
+        objects={item.name: item.name for item in task.model.all_objects},
     )
 
 

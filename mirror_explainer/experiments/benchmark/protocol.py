@@ -9,6 +9,7 @@ name alone.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from itertools import combinations
 from random import Random
 
@@ -19,13 +20,13 @@ from mirror_explainer.experiments.benchmark.dataset import Location, Recognition
 from mirror_explainer.experiments.benchmark.ground_actions import (
     distances_to_goal,
     ground_action,
+    hearing_ground_actions,
     needed_facts,
 )
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.listener.listeners import PLANNER
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import prepare, refine
-from mirror_explainer.listener.user_model import CandidateGoal, UserModel
 from mirror_explainer.pddl import Task, atom_text, conjuncts, goal_expression, read_task
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
 from mirror_explainer.selection.baselines import ORDERS
@@ -100,10 +101,12 @@ class Measures:
 class Result:
     """All that was drawn and measured on one instance.
 
-    `last_shared` of the other goals have, like the robot's, the goal predicates
-    that the plan's last action brings about.
+    Instances of the same `problem`, a digest of domain and template, share the world that
+    their robots are in. `last_shared` of the other goals have, like the robot's, the goal
+    predicates that the plan's last action brings about.
     """
 
+    problem: str
     goals: tuple[str, ...]
     uncertain_facts: tuple[str, ...]
     plan: tuple[str, ...]
@@ -138,9 +141,8 @@ def run_instance(location: Location, problem: RecognitionProblem, settings: Sett
         draw = draw_goals(problem, planner, settings.deadline, random, source)
         task = read_task(problem.domain, problem.problem(draw.goals[0]), source, source)
         facts = draw_facts(task, draw.plan, random, source)
-        user_model = UserModel(
-            goals=tuple(CandidateGoal(goal, goal, 1 / GOALS) for goal in draw.goals),
-            uncertain_facts=dict.fromkeys(facts, FACT_PROBABILITY),
+        user_model = hearing_ground_actions(
+            task, draw.goals, dict.fromkeys(facts, FACT_PROBABILITY)
         )
         planning = PlanningSettings(
             plans_per_belief=settings.plans_per_belief, deadline=settings.deadline
@@ -151,6 +153,7 @@ def run_instance(location: Location, problem: RecognitionProblem, settings: Sett
     require_settled(model)
     true_plan = draw.true_plan
     return Result(
+        problem=sha256(f'{problem.domain}{problem.template}'.encode()).hexdigest()[:12],
         goals=draw.goals,
         uncertain_facts=facts,
         plan=draw.plan.actions,

@@ -38,7 +38,7 @@ PAPER_DOMAINS = (
     'miconic',
 )
 ENVIRONMENT = 'MIRROR_EXPLAINER_PUCRS'
-_VERSION = 5  # of the protocol's code: results of another one are not resumed
+_VERSION = 6  # of the protocol's code: results of another one are not resumed
 
 
 _REPORTED = (

@@ -25,7 +25,7 @@ _SHOWN_PERCENTS = (10, 20, 30, 50, 100)
 def write_report(records: Sequence[Mapping[str, Any]], folder: Path, command: str) -> int:
     """Write all files from the instances' records; return how many instances were measured.
 
-    Writes pucrs.csv (every instance, strategy and N), pucrs_averages.csv,
+    Writes pucrs.csv (every instance, strategy and N), pucrs_averages.csv, pucrs_findings.csv,
     pucrs_domains.csv, pucrs.png, pucrs.svg and report.md.
     """
     measured = [record for record in records if 'result' in record]
@@ -39,8 +39,10 @@ def write_report(records: Sequence[Mapping[str, Any]], folder: Path, command: st
         means.to_csv(folder / 'pucrs_averages.csv', index=False, float_format=_FLOATS)
         domains.to_csv(folder / 'pucrs_domains.csv', index=False, float_format=_FLOATS)
         save(benchmark_figure(means), folder / 'pucrs')
+        found = _findings(findings(rows, shares, means))
+        found.to_csv(folder / 'pucrs_findings.csv', index=False)
         parts += [
-            _findings(findings(rows, shares, means)),
+            _told(found),
             _figure(),
             _means_table(means),
             _domains(domains),
@@ -50,15 +52,18 @@ def write_report(records: Sequence[Mapping[str, Any]], folder: Path, command: st
     return len(measured)
 
 
-def _findings(found: Sequence[Finding]) -> str:
-    table = pd.DataFrame(
+def _findings(found: Sequence[Finding]) -> pd.DataFrame:
+    return pd.DataFrame(
         [{'the paper': f.claim, 'held': f.held, 'numbers': f.numbers} for f in found]
     )
+
+
+def _told(found: pd.DataFrame) -> str:
     return (
         "## The paper's findings\n\n"
-        + markdown_table(table)
-        + '\n\nMeans with their 95 % percentile '
-        'bootstrap interval in brackets, instances resampled.'
+        + markdown_table(found)
+        + '\n\nMeans with their 95 % percentile bootstrap interval in brackets: problems '
+        'resampled, each with all of its instances, since these share a world.'
     )
 
 
@@ -66,8 +71,9 @@ def _figure() -> str:
     return (
         '## The figure\n\n![G_inf and D_G against the share of the plan that is said](pucrs.svg)'
         '\n\nMean over the instances of a domain; the band is the 95 % percentile bootstrap '
-        'interval of the mean. G_inf is what the informative strategy tells more, at the same '
-        'number of sentences N = max(1, round(x·|π_R|)). D_G of N sentences is the mean of '
+        'interval of the mean, problems resampled (none where all instances are of one). G_inf is '
+        'what the informative strategy tells more, at the same number of sentences '
+        'N = max(1, round(x·|π_R|)). D_G of N sentences is the mean of '
         'D_G(a_i) over the N actions said: the informative sets of different N are not nested, '
         'so that there is no "N-th action"; at 100 % all strategies say the same actions.'
     )

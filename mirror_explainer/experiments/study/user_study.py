@@ -49,6 +49,21 @@ def _simulate(options: argparse.Namespace) -> None:
     print(f'see {options.output / "report.md"}')
 
 
+def _speakers(options: argparse.Namespace) -> None:
+    """Write how well simulated participants guess the goal, by whom the robot speaks to."""
+    from mirror_explainer.experiments.study.speakers import simulated_speakers, write_speakers
+
+    noise = Noise(options.temperature, options.lapse, options.confidence)
+    answers = simulated_speakers(options.studies, options.scenarios, options.participants, noise)
+    command = (
+        'python3 -m mirror_explainer.experiments.study.user_study speakers '
+        f'--studies {options.studies} --scenarios {options.scenarios} '
+        f'--participants {options.participants}'
+    )
+    write_speakers(answers, options.output, command)
+    print(f'see {options.output / "speakers.md"}')
+
+
 def _serve(options: argparse.Namespace) -> None:
     """Serve the study to people."""
     require_extras('web')
@@ -116,6 +131,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     _simulation_arguments(simulation)
     simulation.set_defaults(run=_simulate)
+    speaking = commands.add_parser(
+        'speakers',
+        help='simulated: words chosen for a planner, or for an open listener',
+        description='Compare what simulated participants understand of words that the robot '
+        'chooses for a planner, as the paper does, and of those for an open listener.',
+    )
+    speaking.add_argument(
+        '--studies', type=whole(1), default=10, metavar='N', help='seeds 0 … N − 1 (default 10)'
+    )
+    _study_arguments(speaking.add_argument_group('study'), participants=5)
+    _noise_arguments(speaking.add_argument_group('observers'))
+    _output_argument(speaking, 'user_study_speakers')
+    speaking.set_defaults(run=_speakers)
     serving = commands.add_parser(
         'serve',
         help='with people, in their browsers',
@@ -149,13 +177,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
     study = simulation.add_argument_group('study')
-    study.add_argument(
-        '--participants', type=whole(2), default=10, metavar='N',
-        help='of each kind of observer (default 10)',
-    )  # fmt: skip
-    study.add_argument(
-        '--scenarios', type=whole(LEAST_SCENARIOS), default=12, metavar='N', help='default 12'
-    )
+    _study_arguments(study, participants=10)
     study.add_argument(
         '--seed', type=whole(0), default=0, metavar='N', help='of all that is drawn (default 0)'
     )
@@ -169,6 +191,21 @@ def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
         '--observer', nargs='+', choices=list(KINDS), default=list(KINDS), metavar='KIND',
         help='; '.join(f'{kind}: {what}' for kind, what in KINDS.items()) + ' (default: all)',
     )  # fmt: skip
+    _noise_arguments(people)
+    _output_argument(simulation, 'user_study_results')
+
+
+def _study_arguments(study: argparse._ArgumentGroup, participants: int) -> None:
+    study.add_argument(
+        '--participants', type=whole(2), default=participants, metavar='N',
+        help='of each kind of observer (default %(default)s)',
+    )  # fmt: skip
+    study.add_argument(
+        '--scenarios', type=whole(LEAST_SCENARIOS), default=12, metavar='N', help='default 12'
+    )
+
+
+def _noise_arguments(people: argparse._ArgumentGroup) -> None:
     people.add_argument(
         '--temperature', type=number(0), default=Noise.temperature, metavar='T',
         help='of the softmax between belief and answer (default %(default)s)',
@@ -181,7 +218,6 @@ def _simulation_arguments(simulation: argparse.ArgumentParser) -> None:
         '--confidence', type=number(0, 1), default=Noise.confidence, metavar='P',
         help='with less, the answer is "I don\'t know" (default %(default)s)',
     )  # fmt: skip
-    _output_argument(simulation, 'user_study_results')
 
 
 def _serve_arguments(serving: argparse.ArgumentParser) -> None:

@@ -1,0 +1,1 @@
+"""Who understands what: each listener as speaker, judged by each, many plans a belief."""
