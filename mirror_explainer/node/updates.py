@@ -192,34 +192,30 @@ class Updates:
                 self._retries.seconds_left(),
             )
             self._retrying = not self._pending
-            if self._retrying:  # with the files that the last answer rests on
-                return self._work()
-        return self._settled_work()
+        if not self._retrying:  # otherwise with the files that the last answer rests on
+            self._let_settle()
+        with self._changed:
+            if self._closed or self._newest is None:
+                return None
+            self._retrying &= not self._pending
+            if not self._retrying:
+                self._maker.forget_files()
+            self._pending = False
+            self._stop = StopRequest()
+            self._working_on = self._number
+            return _Work(self._newest, self._number, self._stop)
 
-    def _settled_work(self) -> _Work | None:
+    def _let_settle(self) -> None:
         """Wait until the inputs are together and the files left alone, but not for ever."""
         latest = time.monotonic() + LONGEST_FILE_SETTLING_SECONDS
-        looked_at = 0
-        while True:
+        is_restless = True
+        while is_restless and not self._closed and time.monotonic() < latest:
             with self._changed:
-                now = time.monotonic()
-                wait = min(self._settled_at, latest) - now
-                if wait > 0.0 and not self._closed:
+                while (wait := min(self._settled_at, latest) - time.monotonic()) > 0.0:
+                    if self._closed:
+                        return
                     self._changed.wait(wait)
-                    continue
-                if looked_at == self._number or now >= latest or self._closed:
-                    self._maker.forget_files()
-                    return self._work()
-                looked_at = self._number
-            self.look_at_files()
-
-    def _work(self) -> _Work | None:
-        if self._closed or self._newest is None:
-            return None
-        self._pending = False
-        self._stop = StopRequest()
-        self._working_on = self._number
-        return _Work(self._newest, self._number, self._stop)
+            is_restless = self.look_at_files()
 
     def _tell(self, work: _Work, meanwhile: Readiness) -> None:
         """Say how far the planning is, and let calls be answered from what is known so far."""
