@@ -40,7 +40,9 @@ from mirror_explainer.pddl.text.left_out import (
 )
 from mirror_explainer.pddl.text.plain_types import with_actions, with_plain_types
 from mirror_explainer.pddl.text.size import require_few
-from mirror_explainer.pddl.text.tree import Branch, as_text, made, parse
+from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, made, parse, word
+
+_NUMBER = 'number'
 
 
 @dataclass(frozen=True)
@@ -165,9 +167,12 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     goals = tuple(model.goals)
     if NUMBERS in left_out.places:
         goals = tuple(conjuncts(Expressions(model).expression(goal, {})))
+    texts = with_actions(_as_required(plannable.domain), planned), plannable.problem
+    if _NUMBER in declared.types:  # Fast Downward wants that name for itself
+        texts = _renamed(texts[0], declared), _renamed(texts[1], declared)
     return Task(
-        with_actions(_as_required(plannable.domain), planned).text(),
-        plannable.problem.text(),
+        texts[0].text(),
+        texts[1].without(':requirements').text(),
         model,
         as_text(goal),
         goals,
@@ -208,6 +213,30 @@ def _as_required(domain: Definition) -> Definition:
     return domain.having(
         ':requirements', made('(:requirements :adl :derived-predicates :action-costs)', place)
     )
+
+
+def _renamed(definition: Definition, declared: Declarations) -> Definition:
+    """Return a definition that calls the type "number" by another name."""
+    name = 'a-number'
+    while name in declared.types:
+        name += '-'
+
+    def renamed(tree: Branch, everywhere: bool = False) -> Branch:
+        parts: list[Tree] = []
+        for before, part in zip([None, *tree], tree, strict=False):
+            is_type = part == _NUMBER and (everywhere or before == '-')
+            other = part if isinstance(part, Word) else renamed(part)
+            parts.append(word(name, part) if is_type else other)
+        return tree.like(parts)
+
+    for keyword, sections in definition.sections.items():
+        if keyword == ':functions':  # these are numbers indeed
+            parts = (tuple(p if isinstance(p, Word) else renamed(p) for p in s) for s in sections)
+            changed = [s.like(p) for s, p in zip(sections, parts, strict=True)]
+        else:
+            changed = [renamed(section, keyword == ':types') for section in sections]
+        definition = definition.having(keyword, *changed)
+    return definition
 
 
 def _split_goals(model: up.Problem) -> None:

@@ -271,3 +271,15 @@ def test_every_row_of_the_table_has_an_example_that_agrees_with_it() -> None:
             warning = ROWS[name][3] if name in ROWS else TIMED_ROWS[name][2]
             assert ('a warning' in how) == bool(warning), what
         assert how.startswith('refused') == (name in REFUSED), what
+
+
+def test_a_type_may_be_called_number_which_fast_downward_has_for_itself() -> None:
+    domain = changed(
+        DOMAIN, {'bed': 'number', '(water) (total-cost)': '(water) (total-cost) - number'}
+    )
+    task = read_task(domain, changed(PROBLEM, {'- bed': '- number'}))
+
+    assert robot_plan(task, PLAN).plan.cost == 2
+    require_planned(task, 2.0)
+    with pytest.raises(InputError, match='tank is of type can, but "wet" takes a number there'):
+        read_task(domain, changed(PROBLEM, {'- bed': '- number', '(wet roses)': '(wet tank)'}))
