@@ -122,7 +122,7 @@ def explain_files(
     """Explain the robot's plan from files: what `verbalize` does, for a notebook.
 
     Without a `plan` one is found. `said` are sentences that the listener has heard;
-    `question` are fields of Question, such as `n=2`. Raises InputError and PlanningError.
+    `question` are fields of Question, such as `n=2`. Raises InputError and PlanningError::
 
         import mirror_explainer as me
 
