@@ -117,9 +117,12 @@ def hint(curves: Sequence[Mapping[str, Any]]) -> str:
     n = reached(curves, 'informative', _RECOMMENDED)
     if n is None:
         best = max(row['informative']['understanding'] for row in curves)
+        most = reached(curves, 'informative', best)
         return (
-            f'Hint: even the whole plan leaves the listener only {best:.0%} sure of the goal: '
-            'some of the candidate goals have plans with the same sentences. Word them apart.'
+            f'Hint: n: {most} tells all there is to tell, and leaves the listener {best:.0%} sure '
+            'of the goal. If that is little,\nsome candidates may have ends that are said alike: '
+            'word them apart. Of many candidates that share ends\nsome doubt stays '
+            '(other_ends of the listener).'
         )
     achieved = curves[n - 1]['informative']['understanding']
     increasing, decreasing = (
