@@ -20,7 +20,7 @@ _CONTROL = re.compile(r'[\x00-\x08\x0b-\x1f\x7f-\x9f]')
 class _Made:
     """An answer, as text and as JSON, and the question that it answers after what was said."""
 
-    asked: tuple[Question, tuple[str, ...]]
+    asked: tuple[Question, tuple[str, ...], int | None]
     explanation: Explanation
     text: str
     report: str
@@ -43,6 +43,7 @@ class Answers:
         self._newest = 0
         self._goal = ''
         self._said: list[str] = []
+        self._last_episode: int | None = None
         self._made_for: Preparation | None = None
         self._made: dict[bool, _Made] = {}
 
@@ -74,6 +75,8 @@ class Answers:
             made = self._get(preparation, question, tuple(said))
             if remember:
                 self._said += made.explanation.sentences
+            if preparation.situation is not None:
+                self._last_episode = preparation.situation.number
             if number >= self._published:
                 self._published = number
                 self.last = made.explanation
@@ -91,6 +94,7 @@ class Answers:
         with self._turn:
             count = len(self._said)
             self._said.clear()
+            self._last_episode = None
             return count
 
     def _turn_to(self, preparation: Preparation, number: int) -> None:
@@ -106,10 +110,10 @@ class Answers:
         """Return the answer, which is kept; of those after something said the last one is."""
         if self._made_for is not preparation:
             self._made_for, self._made = preparation, {}
-        asked = (question, said)
+        asked = (question, said, self._last_episode)
         made = self._made.get(bool(said))
         if made is None or made.asked != asked:
-            explanation = explain(preparation, question, said)
+            explanation = explain(preparation, question, said, last_episode=self._last_episode)
             values = {**explanation.as_dict(hypotheses=False), 'inputs': preparation.inputs}
             report = json.dumps(values, ensure_ascii=False)
             made = _Made(asked, explanation, printable(explanation.spoken), printable(report))

@@ -13,6 +13,7 @@ from mirror_explainer.node.inputs import Inputs
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Surroundings
+from mirror_explainer.pddl.progress import StepStatus
 
 # What is latched has arrived by the time that the node has waited for so long.
 _ARRIVAL_SECONDS = 3.0
@@ -155,6 +156,7 @@ def _ages(inputs: Inputs, surroundings: Surroundings, now: Moment) -> dict[str, 
         ('domain', inputs.domain, inputs.domain_file),
         ('problem', inputs.problem, ''),
         ('plan', inputs.plan, ''),
+        ('progress', inputs.progress, ''),
         ('user model', None, inputs.user_model_file),
     ):
         source = text.source if text else file
@@ -177,6 +179,13 @@ def _work(readiness: Readiness, history: History, answer: Explanation | None) ->
     if answer is not None:
         values['seconds selecting'] = f'{answer.seconds_selecting:.3f}'
     preparation = readiness.preparation
+    if preparation is not None and preparation.situation is not None:
+        situation, statuses = preparation.situation, preparation.statuses
+        counts = [f'{statuses.count(status)} {status}' for status in reversed(StepStatus)]
+        values |= {
+            'episode': f'{situation.number}, {situation.reason}',
+            'progress': ', '.join(counts),
+        }
     if preparation is not None:
         values |= {
             'seconds reading': f'{preparation.seconds.read:.3f}',

@@ -8,8 +8,8 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.settings import PlanningSettings, Question, setting
 
-# The topics that are heard.
-TOPICS = ('domain', 'problem', 'plan')
+# The topics that are heard; a robot need not publish its progress.
+TOPICS = ('domain', 'problem', 'plan', 'progress')
 
 
 @dataclass(frozen=True)
@@ -49,14 +49,15 @@ class Text:
 class Inputs:
     """The newest of everything that an explanation is made from, None where nothing came yet.
 
-    `domain_file` stands in for a domain that was not heard; `files_revision` is
-    another one after each change of the files that are read.
+    The `progress` need not come at all. `domain_file` stands in for a domain that was not
+    heard; `files_revision` is another one after each change of the files that are read.
     """
 
     domain: Text | None = None
     domain_file: str = ''
     problem: Text | None = None
     plan: Text | None = None
+    progress: Text | None = None
     user_model_file: str = ''
     files_revision: object = None
     planning: PlanningSettings = field(default_factory=PlanningSettings)

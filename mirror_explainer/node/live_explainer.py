@@ -82,7 +82,7 @@ class LiveExplainer:
             )
 
     def hear(self, name: str, text: Text) -> None:
-        """Take up a 'domain', 'problem' or 'plan', which replaces the one before."""
+        """Take up a 'domain', 'problem', 'plan' or 'progress', in place of the one before."""
         with self._lock:
             heard: dict[str, Any] = {name: text}
             self._submit(replace(self._inputs, **heard))

@@ -4,17 +4,18 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
-from mirror_explainer.explainer import robot_plan
+from mirror_explainer.explainer import robot_plan_of
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.preparation import Preparation, prepare, refine
-from mirror_explainer.listener.user_model import read_user_model
+from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.readiness import Phase, Readiness
+from mirror_explainer.node.robot_status import RobotStatus
 from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.pddl import Task, require_definition
 from mirror_explainer.pddl.plan_text import read_plan
@@ -31,6 +32,16 @@ _START = (
 )
 _CORRECT = 'Correct it there: a new message, or the changed file, is taken up by itself.'
 _REPORT = 'Report it with the log and the inputs; the next input is tried all the same.'
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """What was prepared, for which task and settings, from which files; with planning or not."""
+
+    made_for: tuple[object, ...]
+    files: object
+    preparation: Preparation
+    is_planned: bool = False
 
 
 class Maker:
@@ -50,6 +61,8 @@ class Maker:
         self._closed = False
         self._reader = TaskReader()
         self._task: tuple[Text, Text, InputLimits, Task] | None = None
+        self._robot = RobotStatus()
+        self._prepared: _Prepared | None = None
 
     def warm_up(self) -> None:
         """Start the planner's processes, so that they are up when they are needed."""
@@ -105,28 +118,69 @@ class Maker:
             return Readiness(Phase.ERROR, message, cure=_REPORT, may_pass=True)
 
     def _prepare(self, inputs: Inputs, stop: StopRequest) -> Preparation:
-        """Return what is known once all is read, without any planning."""
+        """Return what is known once all is read, without any planning but that done before.
+
+        As long as the robot does what its plan says, that is what was known before.
+        """
         assert inputs.problem and inputs.plan  # nothing is missing
         started = time.perf_counter()
-        limits = inputs.limits
+        limits, problem = inputs.limits, inputs.problem
         read_file = partial(self.files.read, limits=limits)
         domain = inputs.domain or Text(read_file(inputs.domain_file), inputs.domain_file)
-        task = self._read(domain, inputs.problem, limits, stop)
+
+        def read(text: str) -> Task:
+            return self._read(domain, Text(text, problem.source), limits, stop)
+
+        def user_model_for(task: Task) -> UserModel:
+            user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
+            self.phrases = user_model.phrases
+            return user_model
+
+        before = self._prepared
+        uncertain = before.preparation.prior.facts if before else ()
+        try:
+            situation = self._robot.update(domain.text, inputs, read, uncertain)
+        except InputError:
+            user_model_for(read(problem.text))  # it has the words in which to tell of that
+            raise
         stop.check()
-        user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
-        self.phrases = user_model.phrases
-        stop.check()
-        plan = robot_plan(task, inputs.plan.text, inputs.plan.source, limits)
-        stop.check()
-        preparation = prepare(task, plan, user_model, inputs.planning)
-        seconds = replace(preparation.seconds, read=time.perf_counter() - started)
-        return replace(preparation, seconds=seconds, inputs=self._as_read(inputs).digest)
+        made_for = (
+            domain,
+            situation.number,
+            situation.problem,
+            inputs.user_model_file,
+            inputs.planning,
+            limits,
+        )
+        if before and before.made_for == made_for and self._same_files(before.files, limits):
+            preparation = before.preparation
+        else:
+            task = read(situation.problem)
+            user_model, plan = user_model_for(task), robot_plan_of(situation)
+            stop.check()
+            preparation = prepare(task, plan, user_model, inputs.planning)
+            seconds = replace(preparation.seconds, read=time.perf_counter() - started)
+            preparation = replace(preparation, seconds=seconds)
+            self._prepared = _Prepared(made_for, self.files.revision, preparation)
+        digest = self._as_read(inputs).digest
+        return replace(preparation, situation=situation, inputs=digest)
+
+    def _same_files(self, revision: object, limits: InputLimits) -> bool:
+        """Say whether the user model, with the files that it names, is as it was; look at them."""
+        assert isinstance(revision, tuple)
+        for path, _ in revision:
+            self.files.read(path, limits)
+        return self.files.revision == revision
 
     def _refine(
         self, preparation: Preparation, inputs: Inputs, stop: StopRequest, tell: Tell
     ) -> Preparation:
         """Return what is known after planning; tell meanwhile what is known so far."""
         known = preparation
+        before = self._prepared
+        assert before is not None  # it was prepared
+        if before.is_planned and not preparation.failed_beliefs:
+            return preparation
 
         def progress(done: int, beliefs: int) -> None:
             message = f'planning {done} of {beliefs}'
@@ -145,6 +199,7 @@ class Maker:
             progress=progress,
         )
         refined.model_for(refined.listener, stop.check)  # made here, where newer inputs stop it
+        self._prepared = replace(before, preparation=refined, is_planned=True)
         return refined
 
     def _as_read(self, inputs: Inputs) -> Inputs:

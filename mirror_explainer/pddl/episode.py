@@ -7,6 +7,7 @@ the plan needs or changes, what the goal names, and what the listener is unsure 
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.derived.facts import DerivedFacts
@@ -44,6 +45,11 @@ class Episode:
     def first(self) -> State:
         """I_0."""
         return self.run.passed[0]
+
+    @cached_property
+    def places(self) -> tuple[Progress, ...]:
+        """The progress after each number of happenings."""
+        return tuple(Progress.each(self.run.happenings))
 
     def agrees(self, state: State, count: int, uncertain: Collection[str] = ()) -> bool | None:
         """Say whether a state is the one after so many happenings, in all that matters.

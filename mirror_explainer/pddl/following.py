@@ -30,19 +30,18 @@ def follow(
     if task and goal_of(task) != episode.goal:
         return None
     left = None if remaining is None else _left(episode, remaining)
-    if remaining is not None and left is None:
+    if remaining is not None and not any(_fits(place, left) for place in episode.places):
         return None
     found = []
-    for count in range(len(episode.run.passed)):
-        progress = Progress.after(episode.run.happenings, count)
-        if progress.done < known.done:
+    for count, place in enumerate(episode.places):
+        if place.done < known.done:
             continue
         agrees = episode.agrees(state, count, uncertain)
         if agrees is None:  # but for numbers
             agrees = task is not None and _rest_works(episode, task, count, state)
         if agrees:
-            found.append(progress)
-    fitting = [progress for progress in found if left is None or _fits(progress, left)]
+            found.append(place)
+    fitting = [place for place in found if remaining is None or _fits(place, left)]
     if not fitting and remaining is not None and not remaining:
         return None  # the robot has no plan any more
     if not fitting and task and remaining is not None:
@@ -68,8 +67,13 @@ def _left(episode: Episode, remaining: Sequence[Step]) -> frozenset[int] | None:
     return frozenset(positions)
 
 
-def _fits(progress: Progress, left: frozenset[int]) -> bool:
-    """Say whether what is left is what is not done: what goes on may be named, or not."""
+def _fits(progress: Progress, left: frozenset[int] | None) -> bool:
+    """Say whether what is left is what is not done: what goes on may be named, or not.
+
+    So it is with the whole plan, wherever the robot is in it.
+    """
+    if left is None:
+        return False
     if len(left) == len(progress.steps):
         return True
     return not left & set(progress.positions(StepStatus.DONE)) and left >= set(

@@ -1,9 +1,11 @@
 """How far a plan is carried out: each of its steps is done, going on, or ahead."""
 
+import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl.atoms import ground_text
@@ -42,20 +44,25 @@ class Progress:
         return cls((StepStatus.AHEAD,) * length)
 
     @classmethod
+    def each(cls, happenings: Sequence[Happening]) -> Iterator['Progress']:
+        """Yield the progress of a plan after none, one, two … of the happenings of its run."""
+        steps = [StepStatus.AHEAD] * sum(happening.ends for happening in happenings)
+        yield cls(tuple(steps))
+        for happening in happenings:
+            steps[happening.step] = StepStatus.DONE if happening.ends else StepStatus.RUNNING
+            yield cls(tuple(steps))
+
+    @classmethod
     def after(cls, happenings: Sequence[Happening], count: int) -> 'Progress':
         """Return the progress when the first `count` of a run's happenings have happened."""
-        length = sum(happening.ends for happening in happenings)
-        steps = [StepStatus.AHEAD] * length
-        for happening in happenings[:count]:
-            steps[happening.step] = StepStatus.DONE if happening.ends else StepStatus.RUNNING
-        return cls(tuple(steps))
+        return next(itertools.islice(cls.each(happenings), count, None))
 
     @property
     def finished(self) -> bool:
         """Whether every step is done."""
         return all(status is StepStatus.DONE for status in self.steps)
 
-    @property
+    @cached_property
     def done(self) -> int:
         """How many starts and ends there have been."""
         return sum(

@@ -39,6 +39,12 @@ class Situation:
         """How far the plan is, as far as is known."""
         return self.seen if self.told is None else self.told
 
+    def begins_again(self, text: str) -> bool:
+        """Say whether a robot that was done tells, by a progress text, that it is not any more."""
+        if self.told is None or not self.told.finished:
+            return False
+        return not read_progress(text, self.episode.actions).finished
+
     def telling(self, text: str, source: str = 'progress') -> 'Situation':
         """Return the situation with the progress that the robot tells. Raises InputError."""
         told = read_progress(text, self.episode.actions, self.told, source)
@@ -96,3 +102,15 @@ def next_situation(
     new = situation_of(domain, problem, steps, read, source, limits)
     reason = REPLANNED if same_goal else NEW_TASK
     return replace(new, number=before.number + 1, reason=reason)
+
+
+def begun_again(situation: Situation) -> Situation:
+    """Return the situation of a robot that carries out the same plan once more."""
+    return replace(
+        situation,
+        seen=Progress.none(len(situation.episode.steps)),
+        told=None,
+        number=situation.number + 1,
+        reason=REPLANNED,
+        began=datetime.now().astimezone(),
+    )

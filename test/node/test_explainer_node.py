@@ -259,7 +259,7 @@ def tiles_explainer(peer: Peer, folder: Path, **parameters: object):
 
 
 def publish_tiles(peer: Peer, moves: int) -> None:
-    problem, plan = sliding_tiles.scrambled(moves)
+    problem, plan = sliding_tiles.scrambled(moves, seed=moves)
     peer.publish('domain', sliding_tiles.DOMAIN)
     peer.publish('problem', problem)
     peer.publish('plan', plan)
@@ -278,7 +278,7 @@ def test_a_call_during_the_planning_is_answered_and_one_that_waits_is_told_of_a_
         publish_tiles(peer, moves=3)
         answer = waiting.result()
 
-    hard, easy = (sliding_tiles.sentences(sliding_tiles.scrambled(n)[1]) for n in (200, 3))
+    hard, easy = (sliding_tiles.sentences(sliding_tiles.scrambled(n, seed=n)[1]) for n in (200, 3))
     assert set(unplanned.split('\n')) <= set(hard)
     assert still_waiting
     assert answer.success, answer.message

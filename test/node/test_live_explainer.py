@@ -278,7 +278,7 @@ def puzzled(operator, tmp_path: Path) -> Operator:
 
 def publish_tiles(robot: Operator, moves: int) -> list[str]:
     """Publish a puzzle; return the sentences of its plan."""
-    problem, plan = sliding_tiles.scrambled(moves)
+    problem, plan = sliding_tiles.scrambled(moves, seed=moves)
     robot.publish(problem=problem, plan=plan)
     return sliding_tiles.sentences(plan)
 

@@ -1,0 +1,62 @@
+"""What the robot is doing, from one of its messages to the next."""
+
+from collections.abc import Callable, Collection
+
+from mirror_explainer.errors import InputError
+from mirror_explainer.explainer import no_plan
+from mirror_explainer.node.inputs import Inputs, Text
+from mirror_explainer.pddl import Task
+from mirror_explainer.pddl.plan_text import read_plan, without_dummy
+from mirror_explainer.pddl.situation import (
+    Situation,
+    begun_again,
+    next_situation,
+    situation_of,
+)
+
+# A robot publishes its plan and its progress in this order, but they may come in the other.
+_TOGETHER_SECONDS = 1.0
+
+
+class RobotStatus:
+    """Keeps the situation of the robot; what is wrong with a message leaves it as it was."""
+
+    def __init__(self) -> None:
+        self._situation: Situation | None = None
+        self._stale: Text | None = None
+
+    def update(
+        self,
+        domain: str,
+        inputs: Inputs,
+        read: Callable[[str], Task],
+        uncertain: Collection[str] = (),
+    ) -> Situation:
+        """Return the situation by the newest inputs; `read` reads a problem with its domain.
+
+        `uncertain` are the facts that the listener is unsure of. Raises InputError, and
+        NoPlanError if there is nothing to do.
+        """
+        problem, plan, before = inputs.problem, inputs.plan, self._situation
+        assert problem and plan  # nothing is missing
+        steps = without_dummy(read(problem.text), read_plan(plan.text, plan.source, inputs.limits))
+        progress = inputs.progress if inputs.progress is not self._stale else None
+        given = (domain, problem.text, steps, read, plan.source, inputs.limits)
+        try:
+            if before is None:
+                situation = situation_of(*given)
+            else:
+                situation = next_situation(before, *given, uncertain, is_told=bool(progress))
+        except InputError as error:
+            if steps:
+                raise
+            raise no_plan(plan.source) from error
+        is_new = before is None or situation.number != before.number
+        if progress and is_new and plan.heard.seconds_since(progress.heard) > _TOGETHER_SECONDS:
+            self._stale, progress = progress, None  # it is about the plan before
+        if progress:
+            if situation.begins_again(progress.text):
+                situation = begun_again(situation)
+            situation = situation.telling(progress.text, progress.source)
+        self._situation = situation
+        return situation

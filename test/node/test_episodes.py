@@ -1,0 +1,179 @@
+"""One task told from beginning to end by the explainer of the node; nothing is planned twice."""
+
+import json
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from conftest import WAREHOUSE
+from test_live_explainer import DOMAIN, PLAN, PROBLEM, USER_MODEL, Operator, operator
+
+from mirror_explainer.node.inputs import Text
+from mirror_explainer.node.moment import Moment
+from mirror_explainer.pddl import read_task
+from mirror_explainer.pddl.plan_text import read_plan
+from mirror_explainer.pddl.problem_text import with_state
+from mirror_explainer.pddl.simulation import carry_out
+
+__all__ = ['operator']  # the fixture
+LINES = [line for line in PLAN.split('\n') if line.startswith('(')]
+STATES = carry_out(read_task(DOMAIN, PROBLEM), read_plan(PLAN)).states
+PROBLEMS = [with_state(PROBLEM, state) for state in STATES]
+# What is said after so many steps, at most two sentences.
+CUBE, CIRCLE = 'a blue cube', 'a red circle'
+TOLD = {
+    0: 'I will grab a blue cube and a red circle.',
+    4: 'I have grabbed a blue cube.\nI will grab a red circle.',
+    6: 'I have grabbed a blue cube.\nI will grab a red circle.',
+    7: 'I have grabbed a blue cube and a red circle.',
+    10: 'I have grabbed a blue cube and a red circle.\nI am done.',
+}
+# How a robot tells where it is: the plan that remains, the whole plan again, or only its state.
+WAYS: dict[str, Callable[[int], dict[str, str]]] = {
+    'the rest of the plan': lambda done: {'plan': '\n'.join(LINES[done:])},
+    'the whole plan': lambda done: {'plan': PLAN + f'; after {done} steps\n'},
+    'the state alone': lambda done: {},
+}
+
+
+@pytest.fixture
+def robot(operator) -> Operator:
+    served: Operator = operator(user_model_file=USER_MODEL, n=2)
+    served.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
+    return served
+
+
+def report(robot: Operator) -> dict[str, Any]:
+    """Ask, and return the answer's JSON."""
+    robot.answer()
+    answer: dict[str, Any] = json.loads(robot.published[-1][1])
+    return answer
+
+
+@pytest.mark.parametrize('way', WAYS)
+def test_from_the_first_step_to_the_last_nothing_is_planned_again(
+    robot: Operator, way: str
+) -> None:
+    first = report(robot)
+    for done in range(1, 11):
+        robot.publish(problem=PROBLEMS[done], **WAYS[way](done))
+
+        answer = report(robot)
+
+        expected = ['done'] * done + ['ahead'] * (10 - done)
+        assert [row['status'] for row in answer['plan']] == expected
+        assert answer['episode'] == first['episode']
+        assert answer['understanding'] == first['understanding']
+        assert answer['seconds']['planning'] == first['seconds']['planning']
+        assert answer['spoken'] == TOLD.get(done, answer['spoken'])
+        assert answer['complete']
+    assert first['spoken'] == TOLD[0]
+
+
+def test_what_was_said_conditions_the_whole_episode(robot: Operator) -> None:
+    robot.set(remember=True, n=1)
+    told = [robot.answer()]
+    for done in range(1, 11):
+        robot.publish(problem=PROBLEMS[done])
+        told.append(robot.answer())
+
+    assert told[:3] == [
+        'I will exit from the bottom door.',
+        'I will grab a red circle.',
+        'I will grab a blue cube.',
+    ]
+    assert not {'I have grabbed a blue cube.', 'I have grabbed a red circle.'} & set(told)
+    assert told[3].startswith(('There is nothing more', 'You have heard all'))
+    assert told[10] == 'I am done.'
+
+
+def test_a_state_that_the_plan_does_not_lead_through_begins_a_new_episode(
+    robot: Operator,
+) -> None:
+    first = report(robot)
+    robot.publish(problem=PROBLEMS[4])
+    report(robot)
+    # Somebody has put the robot back to where it was, with what it has.
+    robot.publish(
+        problem=PROBLEMS[4].replace('(robot-at blue_room)', '(robot-at left)'),
+        plan='\n'.join(['(move left center)', '(move center doors)', *LINES[5:]]),
+    )
+
+    second, again = report(robot), report(robot)
+
+    assert (first['episode']['number'], first['episode']['reason']) == (1, 'first')
+    assert (second['episode']['number'], second['episode']['reason']) == (2, 'replanned')
+    assert second['spoken'].startswith('I have changed my plan.\nI will grab a red circle.')
+    assert not again['spoken'].startswith('I have changed my plan.')
+
+
+def test_another_goal_is_a_new_task(robot: Operator) -> None:
+    report(robot)
+    robot.publish(
+        problem=PROBLEM.replace('(holding blue_cube)', '(holding red_circle)'),
+        plan='\n'.join([*LINES[:2], *LINES[5:]]),
+    )
+
+    second = report(robot)
+
+    assert (second['episode']['number'], second['episode']['reason']) == (2, 'new task')
+    assert second['spoken'].startswith('I have a new task.\nI will ')
+
+
+def test_a_robot_may_tell_its_progress_itself(robot: Operator) -> None:
+    report(robot)
+    done = '\n'.join(f'done: {line}' for line in LINES[:3])
+    robot.publish(progress=f'{done}\nrunning: {LINES[3]}\n')
+    going, spoken = report(robot), robot.answer()
+    robot.publish(progress=f'{done}\nfailed: {LINES[3]}')
+    stuck = robot.answer()
+    robot.publish(progress='')
+    back = robot.refusal()
+    robot.publish(progress=f'{done}\ndone: (fly away)')
+    unknown = robot.refusal()
+
+    statuses = [row['status'] for row in going['plan']]
+    assert statuses == [*['done'] * 3, 'running', *['ahead'] * 6]
+    assert spoken == 'I am grabbing a blue cube.\nI will grab a red circle.'
+    assert stuck.startswith('I am stuck: I cannot grab a blue cube.\n')
+    assert '(move left center) was done, and is not any more' in back
+    assert '/progress, line 4: (fly away) is no step of the plan' in unknown
+
+
+def test_progress_in_the_plan_before_is_not_taken_for_that_in_the_next(robot: Operator) -> None:
+    a_minute_ago = Moment(time.monotonic() - 60)
+    progress = '\n'.join(f'done: {line}' for line in LINES)
+    robot.explainer.hear('progress', Text(progress, '/progress', a_minute_ago))
+    # It was heard before the plan, so it may be about another.
+    assert robot.answer() == TOLD[0]
+
+    robot.publish(progress=progress + '\n')
+
+    assert robot.answer() == TOLD[10]
+
+
+def test_a_node_that_comes_late_hears_of_a_robot_in_the_middle_of_its_plan(operator) -> None:
+    late: Operator = operator(user_model_file=USER_MODEL, n=2)
+    late.publish(domain=DOMAIN, problem=PROBLEMS[5], plan=PLAN)
+
+    answer = report(late)
+
+    assert answer['spoken'] == 'I have grabbed a blue cube.\nI will grab a red circle.'
+    assert [row['status'] for row in answer['plan']] == ['done'] * 5 + ['ahead'] * 5
+
+
+def test_an_edited_user_model_is_taken_up_in_the_middle_of_an_episode(
+    robot: Operator, tmp_path
+) -> None:
+    report(robot)
+    robot.publish(problem=PROBLEMS[4])
+    file = tmp_path / 'user.yaml'
+    text = (WAREHOUSE / 'user_model.yaml').read_text()
+    file.write_text(text.replace('I will grab', 'I will fetch'))
+    robot.set(user_model_file=str(file))
+
+    answer = report(robot)
+
+    assert answer['spoken'] == 'I have fetched a blue cube.\nI will fetch a red circle.'
+    assert answer['episode']['number'] == 1
