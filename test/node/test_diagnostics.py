@@ -24,6 +24,8 @@ from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Surroundings, look_around, package_version
 from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.pddl.plan_text import read_plan
+from mirror_explainer.pddl.situation import situation_of
 from mirror_explainer.planning import Planner
 
 WAITING = Readiness(
@@ -52,7 +54,11 @@ def prepared(task: Task, warehouse: Path, planner: Planner, max_beliefs: int) ->
 @pytest.fixture(scope='module')
 def ready(planner: Planner) -> Readiness:
     task = read_task(*((WAREHOUSE / f'{name}.pddl').read_text() for name in ('domain', 'problem')))
-    return Readiness(Phase.READY, 'ready', prepared(task, WAREHOUSE, planner, 1024))
+    preparation = prepared(task, WAREHOUSE, planner, 1024)
+    texts = [(WAREHOUSE / name).read_text() for name in ('domain.pddl', 'problem.pddl')]
+    steps = read_plan((WAREHOUSE / 'plan.txt').read_text())
+    situation = situation_of(*texts, steps, lambda _: task)
+    return Readiness(Phase.READY, 'ready', replace(preparation, situation=situation))
 
 
 def seen(
@@ -260,7 +266,7 @@ def test_the_handbook_lists_every_value_and_no_other(ready: Readiness, warehouse
     values = diagnose(
         ready,
         history,
-        Inputs(domain=text, problem=text, plan=text, user_model_file=path),
+        Inputs(domain=text, problem=text, plan=text, progress=text, user_model_file=path),
         look_around([path], PUBLISHED),
         answer,
     ).values
