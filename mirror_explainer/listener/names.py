@@ -91,7 +91,7 @@ def _words(spelt: str) -> tuple[str, ...]:
     """Return a name's words as they are written; those of a "redCircle" in lower case."""
     plain = [word for word in re.split(r'[-_\s]+', spelt) if word]
     words = words_in(spelt)
-    if len(words) == len(plain):
+    if not plain or len(words) == len(plain):
         return tuple(plain) or (spelt,)
     written = iter(re.findall('.', ''.join(plain)))
     again = [''.join(next(written) for _ in word) for word in words]

@@ -1,11 +1,12 @@
 """What a person hears beside the steps of a plan; each phrase can be set in the user model."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from string import Formatter
 from typing import Any
 
 from mirror_explainer.errors import did_you_mean
+from mirror_explainer.listener.wording import parts
 
 
 def _phrase(default: str, when: str, *, places: str = '', may_be_empty: bool = False) -> Any:
@@ -81,12 +82,13 @@ def phrase_faults(texts: Mapping[Any, Any]) -> Iterator[tuple[Any, str]]:
 
 
 def _places(text: str, places: tuple[str, ...]) -> Iterator[str]:
+    """Find what a phrase has in braces and should not, and what it should have."""
     try:
-        found = [name for _, name, _, _ in Formatter().parse(text) if name is not None]
+        found = [name for _, name in parts(text) if name] if places else []
     except ValueError as error:
         yield f'"{text}": {error}'
         return
-    for name in found:
+    for name in found or re.findall(r'\{(\w*)\}', text if not places else ''):
         if name not in places:
             known = ' or '.join(f'{{{place}}}' for place in places)
             hint = f' (write {known})' if known else ''

@@ -195,4 +195,4 @@ def place_kinds(roles: Iterable[Roles]) -> set[str]:
 def words_in(name: str) -> list[str]:
     """Return the words of a PDDL name, in lower case: "place_inFixture-2" has four."""
     spaced = re.sub(r'(?<=[a-z])(?=[A-Z][a-z])|(?<=[a-z]{2})(?=[A-Z])', ' ', name)
-    return re.split(r'[-_\s]+', spaced.strip('-_').lower())
+    return [word for word in re.split(r'[-_\s]+', spaced.lower()) if word] or [name]

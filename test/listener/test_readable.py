@@ -1,7 +1,13 @@
 """What robots say without a template, each sentence as a person would say it."""
 
-import pytest
+import re
 
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mirror_explainer.listener.readable import Readables
+from mirror_explainer.listener.roles import roles_of
 from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task, read_task
@@ -303,3 +309,45 @@ def test_a_default_sentence_is_said_in_all_tenses(task: Task) -> None:
     assert sentences.said('(grab blue_cube blue_room)', StepStatus.DONE) == (
         'I have grabbed the blue cube from the blue room.'
     )
+
+
+WORDS = (
+    'pick up put down to the room tool go and or of left first 2 a ing do perform scanning xyzzy '
+    'Open CLOSE at from item _ __ is'
+)
+ATOMS = (
+    '(on ?i ?r)', '(at ?r)', '(at ?q)', '(holding ?h ?i)', '(free ?h)', '(level ?n)', '(flag)',
+    '(made ?i ?h ?r)',
+)  # fmt: skip
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(
+    st.lists(st.sampled_from(WORDS.split()), min_size=1, max_size=5),
+    st.lists(st.sampled_from(ATOMS), max_size=4),
+    st.lists(st.sampled_from(ATOMS), max_size=3),
+    st.integers(0, 6),
+)
+def test_every_action_has_a_sentence_whatever_its_name_and_effects(
+    words: list[str], made: list[str], undone: list[str], more: int
+) -> None:
+    name = '-'.join(words)
+    effects = ' '.join([*made, *(f'(not {atom})' for atom in undone if atom not in made)])
+    task = read_task(
+        '(define (domain d) (:requirements :strips :typing) (:types item room hand level)'
+        '(:predicates (on ?i - item ?r - room) (at ?r - room) (holding ?h - hand ?i - item)'
+        '(free ?h - hand) (level ?n - level) (flag) (made ?i - item ?h - hand ?r - room))'
+        f'(:action {name} :parameters (?h - hand ?i - item ?r ?q - room ?n - level)'
+        f':precondition (at ?q) :effect (and {effects} (flag))))',
+        '(define (problem p) (:domain d) (:objects h1 h_2 - hand __ - item Hall - room '
+        'n-1 - level) (:init) (:goal (and)))',
+    )
+    roles = roles_of(task)
+    action = task.model.actions[0].name
+
+    sentence = Readables(roles, {}, frozenset({'item'})).of(action, more).sentence
+
+    assert re.fullmatch(r'I will [^{}]+( \{[hirqn]\}|[^{}]+)*\.', sentence)
+    assert len(set(re.findall(r'\{.\}', sentence))) == sentence.count('{')
+    said = sentences_for(task, NO_TEMPLATES).of(f'({action} h1 __ hall hall n-1)')
+    assert said.startswith('I will ') and '{' not in said

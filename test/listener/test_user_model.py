@@ -352,6 +352,11 @@ FAULTS = {
         2,
         'phrases.failed: "Oops." lacks {step}',
     ),
+    'a phrase with half a place': (
+        GOAL + 'phrases: {already: "{sentence} } done"}',
+        2,
+        'phrases.already: "{sentence} } done": Single',
+    ),
     'a phrase with a place that it has not': (
         GOAL + 'phrases: {reached: "{goal} is done."}',
         2,
