@@ -86,12 +86,14 @@ class Stop:
 class Done:
     """From the worker of the fast way: the call is over.
 
-    `searching` is how many seconds were spent on starting searches and waiting for them.
+    `searching` is how many seconds were spent on starting searches and waiting for them,
+    `worked` how much processor time these took.
     """
 
     calls: int
     searching: float
     way: str
+    worked: float = 0.0
 
 
 @dataclass(frozen=True)

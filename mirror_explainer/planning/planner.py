@@ -114,7 +114,9 @@ class Planner:
                     cure='Name another engine as the planner.',
                 )
         _log.debug('%d beliefs: %s, %d calls', len(beliefs), done.way, done.calls)
-        return PlanningReport(known, done.calls, done.way, done.searching, len(results.failed))
+        return PlanningReport(
+            known, done.calls, done.way, done.searching, len(results.failed), done.worked
+        )
 
     def _plan(
         self,

@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from mirror_explainer.experiments.benchmark.dataset import Listed, listed_locations, manifest
-from mirror_explainer.experiments.planning import plans_per_belief, speed
+from mirror_explainer.experiments.planning import plans_per_belief, scale, speed
+from mirror_explainer.experiments.planning.robots import robots
+from mirror_explainer.planning import Planner, Status
 
 ENTRY = {'domain': 'rooms', 'instance': 'rooms_p01', 'obs100_len': 7, 'lmcut_tier': 'easy'}
 
@@ -60,3 +62,17 @@ def test_a_manifest_says_which_instances_are_hard(tmp_path) -> None:
 def test_a_manifest_that_lists_what_is_not_there_is_an_error(tmp_path) -> None:
     with pytest.raises(ValueError, match='what is not there: rooms/rooms_p02'):
         listed_locations(listed(tmp_path, {**ENTRY, 'instance': 'rooms_p02'}), hard=False)
+
+
+def test_robots_of_every_family_are_planned_for_and_set_beside_plain_searches(capsys) -> None:
+    assert scale.main(['--only', 'hospital, 1 packs', '--sample', '1']) == 0
+
+    [row] = [line for line in capsys.readouterr().out.split('\n') if line.startswith('| hospital')]
+    assert row.split(' | ')[1] == '40'  # 10 goals × 2² states, none unknown
+
+
+def test_every_robot_of_the_families_has_goals_that_can_be_reached() -> None:
+    with Planner(planning_timeout=60.0) as planner:
+        for robot in robots()[::3]:
+            [result] = planner.plan(robot.space, robot.beliefs[:1]).results
+            assert result.status is Status.SOLVED, robot.name

@@ -60,7 +60,8 @@ class _Job:
 class Searches:
     """The searches of one call: `calls` many, `searching` the seconds spent on their processes.
 
-    That is to start them, and to wait while there is nothing else to do. Short tries come before
+    That is to start them, and to wait while there is nothing else to do; `worked` is their own
+    processor time. Short tries come before
     longer ones; among these, those for the first belief, then the others in the order of
     their goals.
     """
@@ -78,6 +79,7 @@ class Searches:
         self._all_failed = True
         self.calls = 0
         self.searching = 0.0
+        self.worked = 0.0
 
     def run(self, all_subjects: Sequence[Subjects], other: int, heard: Callable[[], bool]) -> bool:
         """Plan for all subjects, until the deadline, or `heard` once `other` is readable.
@@ -172,6 +174,7 @@ class Searches:
         return other in ready
 
     def _leave(self, selector: selectors.BaseSelector, search: Search) -> None:
+        self.worked += search.used()
         selector.unregister(search)
         del self._running[search]
 

@@ -68,7 +68,7 @@ class DownwardWorker:
             return Unfitting(str(error))
         except Exception as error:  # a fault here, or a translator that has changed inside
             return Unfitting(f'{type(error).__name__}: {error}', unexpected=True)
-        return Done(searches.calls, searches.searching, way)
+        return Done(searches.calls, searches.searching, way, searches.worked)
 
     def _stopped(self) -> bool:
         return isinstance(self._parent.receive(), Stop)

@@ -1,0 +1,124 @@
+"""All optimal plans of a belief: our searches beside K*'s unordered top-quality planning.
+
+Run as `python3 -m mirror_explainer.experiments.planning.further [--pucrs DIR]`, with kstar-planner
+(PyPI, GPLv3) installed. Prints a Markdown table. Every count that both end with must be the same.
+"""
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mirror_explainer.commands.options import whole
+from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.experiments.benchmark.dataset import listed_locations
+from mirror_explainer.experiments.planning.cases import pucrs_instance
+from mirror_explainer.experiments.planning.robots import robots
+from mirror_explainer.experiments.planning.scale import problem_of
+from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
+
+_MOST_PLANS = 300
+_SECONDS = 20  # of processor time, for either
+
+
+# In a process of its own, as the licence of its package wants.
+_KSTAR = f"""
+import json, sys
+from pathlib import Path
+from kstar_planner.planners import plan_unordered_topq
+found = plan_unordered_topq(
+    *map(Path, sys.argv[1:]), 1.0, number_of_plans_bound={_MOST_PLANS}, timeout={_SECONDS}
+)
+print(json.dumps([len(found['plans']), found['timeout_triggered']]))
+"""
+
+
+@dataclass(frozen=True)
+class Found:
+    """How many plans one way found for some goals, whether it ended, in how many seconds.
+
+    These are of processor time: grounding, searching and putting together, processes' starts.
+    """
+
+    plans: tuple[int, ...]
+    ended: bool
+    seconds: float
+
+
+def ours(space: BeliefSpace, beliefs: Sequence[Belief]) -> Found:
+    """Let our planner find the plans, each belief by itself."""
+    before = _processor_seconds()
+    results: list[BeliefPlans] = []
+    for belief in beliefs:
+        with Planner(planning_timeout=_SECONDS) as planner:
+            results += planner.plan(space, [belief], plans_per_belief=_MOST_PLANS).results
+    ended = all(r.status is not Status.UNKNOWN and r.cut != 'time' for r in results)
+    return Found(tuple(len(r.plans) for r in results), ended, _processor_seconds() - before)
+
+
+def kstar(space: BeliefSpace, beliefs: Sequence[Belief]) -> Found:
+    """Let K* find them, called as its package does."""
+    before, plans, ended = _processor_seconds(), [], True
+    for belief in beliefs:
+        with tempfile.TemporaryDirectory() as name:
+            domain, problem = Path(name, 'domain.pddl'), Path(name, 'problem.pddl')
+            domain.write_text(space.domain)
+            problem.write_text(problem_of(space, belief))
+            command = [sys.executable, '-c', _KSTAR, str(domain), str(problem)]
+            called = subprocess.run(command, check=True, capture_output=True, text=True)
+        count, late = json.loads(called.stdout)
+        plans.append(count)
+        ended &= count > 0 and not late
+    return Found(tuple(plans), ended, _processor_seconds() - before)
+
+
+def _processor_seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def line(name: str, one: Found, other: Found) -> str:
+    """Return a row of the table. Raises AssertionError where the counts differ."""
+    assert not (one.ended and other.ended) or one.plans == other.plans, (name, one, other)
+    cells = [f'{", ".join(map(str, f.plans))} | {f.seconds:.2f}' for f in (one, other)]
+    ends = [' (unended)' * (not f.ended) for f in (one, other)]
+    return f'| {name} | {cells[0]}{ends[0]} | {cells[1]}{ends[1]} |'
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure and print; return 0, or 2 for bad input, told on stderr."""
+    parser = argparse.ArgumentParser(
+        prog='further', description='Find all optimal plans, beside K*.'
+    )
+    parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
+    parser.add_argument('--only', default='', help='only what has this in its name')
+    parser.add_argument('--goals', type=whole(1), default=2, help='goals of each')
+    options = parser.parse_args(arguments)
+    try:
+        spaces = [
+            (r.name, r.space, r.beliefs[0].true_facts) for r in robots() if options.only in r.name
+        ]
+        for location in listed_locations(options.pucrs, hard=False) if options.pucrs else ():
+            found = pucrs_instance(location, options.pucrs)
+            if options.only in found.name:
+                space = BeliefSpace(found.domain, found.problem, found.goals)
+                spaces.append((found.name, space, frozenset()))
+        print('| task | plans, here | s | plans, K* | s |\n|:--|--:|--:|--:|--:|')
+        for name, space, facts in spaces:
+            beliefs = [Belief(goal, facts) for goal in range(len(space.goals))][: options.goals]
+            print(line(name, ours(space, beliefs), kstar(space, beliefs)), flush=True)
+    except (InputError, PlanningError, subprocess.CalledProcessError, OSError) as error:
+        print(f'further: {told(error)}', file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
