@@ -39,7 +39,7 @@ setup(
         'up-fast-downward>=1.0,<2',
     ],
     extras_require={
-        'experiments': ['matplotlib>=3.7', 'pandas', 'scipy', 'tabulate', 'tqdm'],
+        'experiments': ['matplotlib>=3.7', 'pandas', 'rich>=13', 'scipy', 'tabulate', 'tqdm'],
         'web': [
             'Django>=5.2,<6',
             'django-htmx>=1.29',

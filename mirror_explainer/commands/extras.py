@@ -8,6 +8,7 @@ _NEEDED: Mapping[str, Mapping[str, str]] = {
     'experiments': {
         'matplotlib': 'matplotlib',
         'pandas': 'pandas',
+        'rich': 'rich',
         'scipy': 'scipy',
         'tabulate': 'tabulate',
         'tqdm': 'tqdm',

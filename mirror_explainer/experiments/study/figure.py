@@ -18,8 +18,11 @@ PAPER = {'informative': 0.2, 'decreasing': 0.5, 'increasing': 0.95}
 _INCHES = 2.0  # height of a row
 
 
-def study_figure(curves: pd.DataFrame) -> Figure:
-    """Draw both readings of the hit ratio side by side, a row for each kind of observer."""
+def study_figure(curves: pd.DataFrame, participants: Mapping[str, int]) -> Figure:
+    """Draw both readings of the hit ratio side by side, a row for each kind of observer.
+
+    `participants` is how many there are of each kind.
+    """
     observers = list(dict.fromkeys(curves['observer']))
     figure = Figure(figsize=(8.0, _INCHES * len(observers) + 1.3), layout='constrained')
     axes = figure.subplots(len(observers), len(MEASURES), sharex=True, sharey=True, squeeze=False)
@@ -27,7 +30,9 @@ def study_figure(curves: pd.DataFrame) -> Figure:
         of = curves[curves['observer'] == observer]
         for column, measure in enumerate(MEASURES):
             _draw(axes[row][column], of, measure)
-        axes[row][0].set_ylabel(str(observer), fontweight='bold')
+        axes[row][0].set_ylabel(
+            f'{observer}\nn = {participants[str(observer)]}', fontweight='bold'
+        )
     for column, measure in enumerate(MEASURES):
         axes[0][column].set_title(f'hit ratio, {MEASURES[measure]}', fontsize='medium')
     figure.legend(

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import add_version, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.study.design import GROWTHS, Answer, assignment
 from mirror_explainer.experiments.study.observers import KINDS
 from mirror_explainer.experiments.study.participants import Noise, simulate
@@ -28,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         require_extras('experiments')
         options.run(options)
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'user_study: {told(error)}', file=sys.stderr)
+        tell_error('user_study', error)
         return 2
     except KeyboardInterrupt:
         return 130
@@ -40,12 +41,15 @@ def _simulate(options: argparse.Namespace) -> None:
     # Not before the extras are known to be there.
     from mirror_explainer.experiments.study.report import results, write_report
     from mirror_explainer.experiments.study.statistics import answer_table
+    from mirror_explainer.experiments.study.summary import tell_summary
 
     options.output.mkdir(parents=True, exist_ok=True)
     planned, left_out = plan_scenarios(scenarios(read_floor(), options.scenarios, options.seed))
     answers = answer_table(_answers(planned, options))
     command = _command(options)
-    write_report(results(answers, options.seed), planned, left_out, options.output, command)
+    found = results(answers, options.seed)
+    write_report(found, planned, left_out, options.output, command)
+    tell_summary(found)
     print(f'see {options.output / "report.md"}')
 
 
@@ -123,6 +127,7 @@ def _parser() -> argparse.ArgumentParser:
         description="The paper's user study: who understands the robot, how soon.",
         epilog='Exit status: 0, or 2 for bad input.',
     )
+    add_version(parser)
     commands = parser.add_subparsers(dest='command', required=True)
     simulation = commands.add_parser(
         'simulate',

@@ -30,7 +30,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.commands.extras import MissingExtras, require_extras
-from mirror_explainer.errors import InputError, told
+from mirror_explainer.commands.terminal import add_version, tell_error
+from mirror_explainer.errors import InputError
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.operator.heard import (
     SETTINGS,
@@ -204,12 +205,13 @@ def main(args: Sequence[str] | None = None) -> int:
         description='Serve a web page on which people ask the explainer what the robot is up to.',
         epilog='Remappings and the like follow --ros-args.',
     )
+    add_version(parser)
     add_address_arguments(parser, PORT)
     options = parser.parse_args(remove_ros_args(argv)[1:])
     try:
         require_extras('web')
     except MissingExtras as error:
-        print(f'operator_page: {error}', file=sys.stderr)
+        tell_error('operator_page', error)
         return 1
     from mirror_explainer.web.operator.site import operator_site
     from mirror_explainer.web.serving import serve
@@ -227,7 +229,7 @@ def main(args: Sequence[str] | None = None) -> int:
         configure(operator_site(node, node.get_namespace()), where)
         serve(where)
     except (InputError, OSError) as error:
-        print(f'operator_page: {told(error)}', file=sys.stderr)
+        tell_error('operator_page', error)
         return 1
     finally:
         executor.shutdown()

@@ -14,6 +14,7 @@ from mirror_explainer.experiments.study.plans import plan_scenarios
 from mirror_explainer.experiments.study.report import results, write_report
 from mirror_explainer.experiments.study.scenarios import scenarios
 from mirror_explainer.experiments.study.statistics import answer_table
+from mirror_explainer.experiments.study.summary import tell_summary
 from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.experiments.study.web_study.database import open_database
 from mirror_explainer.experiments.study.web_study.design import (
@@ -54,8 +55,9 @@ def analyse(file: Path, folder: Path) -> None:
     strategies = assignment(SIMULATED_PARTICIPANTS, len(planned), found.seed)
     for kind in KINDS:
         answers += simulate(planned, kind, strategies, Noise(), found.seed)
+    computed = results(answer_table(answers), found.seed)
     write_report(
-        results(answer_table(answers), found.seed),
+        computed,
         planned,
         left_out,
         folder,
@@ -63,6 +65,7 @@ def analyse(file: Path, folder: Path) -> None:
         [_times_section(times)],
     )
     times.to_csv(folder / 'response_times.csv', index=False)
+    tell_summary(computed)
     print(f'see {folder / "report.md"}')
 
 
