@@ -22,7 +22,7 @@ from mirror_explainer.experiments.study.statistics import (
 
 _FLOATS = '%.10g'
 _FIRST = 20  # %, of the paper's headline
-SIGNIFICANT = 0.05
+_SIGNIFICANT = 0.05
 _TITLES = {
     False: '# The user study, simulated',
     True: '# The user study, with people and simulated',
@@ -167,7 +167,7 @@ def _test_table(found: Results) -> str:
     table = found.tests.assign(
         measure=found.tests['measure'].str.replace('_', ' '),
         held=[
-            '' if p != p else 'yes' if p < SIGNIFICANT else 'no' for p in found.tests['p_holm']
+            '' if p != p else 'yes' if p < _SIGNIFICANT else 'no' for p in found.tests['p_holm']
         ],
     )
     return (
@@ -176,7 +176,7 @@ def _test_table(found: Results) -> str:
         "the first right answer (the paper's words fit either). One step more than the plan has "
         'where there is none. One-sided permutation test of the paired means, the participant '
         'being the unit; exact up to 13. The paper: p = 0.0014 against increasing, 0.04 '
-        f'against decreasing. *Held*: p, corrected by Holm, < {SIGNIFICANT}. Of simulated '
+        f'against decreasing. *Held*: p, corrected by Holm, < {_SIGNIFICANT}. Of simulated '
         'observers p would only measure how many were simulated, and there is none.'
     )
 
