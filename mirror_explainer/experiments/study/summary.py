@@ -1,5 +1,7 @@
 """What a study found, in a table for the terminal: how soon answers are right for good."""
 
+from math import isnan
+
 from mirror_explainer.commands.terminal import tell_table
 from mirror_explainer.experiments.study.report import Results
 
@@ -17,17 +19,12 @@ def tell_summary(found: Results) -> None:
     rows = []
     for observer in found.observers:
         both = [tests[observer, baseline] for baseline in ('decreasing', 'increasing')]
-        decreasing, increasing = both
         cells = (
             observer,
-            f'{increasing["participants"]}',
-            f'{increasing["mean_informative"]:.1f}',
-            f'{decreasing["mean_baseline"]:.1f}',
-            f'{increasing["mean_baseline"]:.1f}',
-            *(
-                '–' if test['p_holm'] != test['p_holm'] else f'{test["p_holm"]:.4f}'
-                for test in both
-            ),
+            f'{both[0]["participants"]}',
+            f'{both[0]["mean_informative"]:.1f}',
+            *(f'{test["mean_baseline"]:.1f}' for test in both),
+            *('–' if isnan(test['p_holm']) else f'{test["p_holm"]:.4f}' for test in both),
         )
-        rows.append((cells, all(test['p_holm'] < SIGNIFICANT for test in both)))
+        rows.append((cells, all(t['mean_informative'] < t['mean_baseline'] for t in both)))
     tell_table('Sentences until the answer is right for good', _COLUMNS, rows)
