@@ -383,6 +383,7 @@ TYPES = {
     },
     'goals': [{'name': TEXT_OR_NONE, 'prior': NUMBER, 'posterior': NUMBER}],
     'facts': [{'fact': str, 'prior': NUMBER, 'posterior': NUMBER, 'true': bool}],
+    'baselines': [{'strategy': str, 'positions': [int], 'understanding': NUMBER}],
     'plan': [
         {
             'position': int,
