@@ -1,7 +1,7 @@
 """A small robot stack for demo and tests: it carries out its plan in the warehouse.
 
-After every step it republishes its problem, with the state as it now is, and
-the plan that remains, as a robot's own stack should.
+After every step it republishes its problem, with the state as it now is, and the plan
+that remains, as a robot's own stack may; or the plan once, and then only its state.
 """
 
 import argparse
@@ -35,11 +35,12 @@ class WarehouseRobot(Node):
     Publishers (std_msgs/String, latched):
         * **domain**: once
         * **problem**: with the state as it is after each step
-        * **plan**: what is left of it
+        * **plan**: what is left of it, or, once for all, all of it (`plan_once`)
 
     Parameters, all read-only:
         * **domain_file**, **problem_file**, **plan_file**: another robot than the example
         * **step_period** (s): 0, the default, is to stand still
+        * **plan_once**: publish the plan at the beginning only, and then nothing but the state
 
     Raises InputError for files that cannot be read, or a plan that cannot be carried out.
     """
@@ -59,6 +60,13 @@ class WarehouseRobot(Node):
                 read_only=True,
             ),
         ).value
+        self._plan_once = self.declare_parameter(
+            'plan_once',
+            False,
+            ParameterDescriptor(
+                description='publish the plan once, and then only the state', read_only=True
+            ),
+        ).value
         domain, problem = read_text(domain_file), read_text(problem_file)
         task = read_task(domain, problem, domain_file, problem_file)
         self._left = list(read_plan(read_text(plan_file), plan_file))
@@ -71,7 +79,8 @@ class WarehouseRobot(Node):
         self._problem = self.create_publisher(String, 'problem', LATCHED)
         self._plan = self.create_publisher(String, 'plan', LATCHED)
         self._domain.publish(String(data=domain))
-        self._publish(problem)
+        self._problem.publish(String(data=problem))
+        self._publish_plan()
         if period:
             # Not the node's clock, which stands still when the system's is set back.
             steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -93,11 +102,12 @@ class WarehouseRobot(Node):
         step, problem = self._ahead.popleft()
         self._left.remove(step)
         self.get_logger().info(f'did {step.action}')
-        self._publish(problem)
-
-    def _publish(self, problem: str) -> None:
-        """Publish the problem as it now is, and the plan that remains."""
         self._problem.publish(String(data=problem))
+        if not self._plan_once:
+            self._publish_plan()
+
+    def _publish_plan(self) -> None:
+        """Publish the plan that remains."""
         self._plan.publish(String(data='\n'.join(map(_line, self._left))))
 
 
@@ -113,8 +123,8 @@ def main(args: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(
         'warehouse_robot',
         description='Publish a domain, a problem and a plan, and carry the plan out.',
-        epilog='Parameters follow --ros-args: -p step_period:=5.0, and domain_file, problem_file '
-        'and plan_file for another robot than the example.',
+        epilog='Parameters follow --ros-args: -p step_period:=5.0, plan_once:=true, and '
+        'domain_file, problem_file and plan_file for another robot than the example.',
     )
     parser.parse_args(remove_ros_args(args)[1:])
     rclpy.init(args=args)

@@ -48,6 +48,18 @@ def test_a_robot_of_ones_own_domain_publishes_its_own_texts_with_each_state(
     assert '(bright)' not in problems[-1].split('(:goal')[0]
 
 
+def test_a_robot_may_publish_its_plan_once_and_then_only_its_state(
+    peer: Peer, tmp_path: Path
+) -> None:
+    problems, plans = peer.hear('problem'), peer.hear('plan')
+    robot = files(tmp_path, '0: (light red) [2]\n2: (light blue) [2]')
+    parameters = {'step_period': 0.5, 'plan_once': True, **robot}
+    with running('warehouse_robot', peer.node.get_namespace(), tmp_path, **parameters):
+        eventually(lambda: problems and '(lit blue)' in problems[-1], 'the last state')
+
+    assert plans == ['0.0: (light red) [2.0]\n2.0: (light blue) [2.0]']
+
+
 def test_a_plan_that_cannot_be_carried_out_ends_the_robot_with_one_sentence(
     peer: Peer, tmp_path: Path
 ) -> None:
