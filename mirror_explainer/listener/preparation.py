@@ -12,11 +12,12 @@ from dataclasses import dataclass, field, replace
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.listener.ends import aims
 from mirror_explainer.listener.listeners import Listener
-from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.prior import Prior, belief_prior
 from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.listener.way import Way
+from mirror_explainer.listener.weighing import mirror_model
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.progress import StepStatus
 from mirror_explainer.pddl.simulation import Run, truths

@@ -18,10 +18,10 @@ from random import Random
 from mirror_explainer.listener.ends import aims
 from mirror_explainer.listener.goals import Part
 from mirror_explainer.listener.listeners import LISTENERS
-from mirror_explainer.listener.mirror_model import mirror_model
 from mirror_explainer.listener.prior import Prior
 from mirror_explainer.listener.user_model import CandidateGoal
 from mirror_explainer.listener.way import Way
+from mirror_explainer.listener.weighing import mirror_model
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Status
 from mirror_explainer.selection.choice import most_informative
 from mirror_explainer.settings import Question

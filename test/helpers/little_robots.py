@@ -12,10 +12,11 @@ from random import Random
 from mirror_explainer.listener.ends import aims
 from mirror_explainer.listener.goals import Part
 from mirror_explainer.listener.listeners import Listener
-from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.prior import Prior
 from mirror_explainer.listener.user_model import CandidateGoal
 from mirror_explainer.listener.way import Way
+from mirror_explainer.listener.weighing import mirror_model
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Status
 
 FACT = '(f)'

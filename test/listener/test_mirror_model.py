@@ -12,7 +12,8 @@ import pytest
 from little_robots import Definitions, Robot, draw_courier, draw_robot, said
 
 from mirror_explainer.listener.listeners import OPEN, PLANNER, Listener
-from mirror_explainer.listener.mirror_model import MirrorModel, plan_probabilities
+from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.listener.weighing import plan_probabilities
 from mirror_explainer.planning import Plan
 from mirror_explainer.selection.choice import most_informative
 

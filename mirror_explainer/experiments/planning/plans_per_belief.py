@@ -41,10 +41,11 @@ from mirror_explainer.experiments.planning.plans_tables import (
 )
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.listener.listeners import PLANNER
-from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import way_of
 from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.sentences import sentences_for
+from mirror_explainer.listener.weighing import mirror_model
 from mirror_explainer.planning import BeliefPlans, BeliefSpace, Planner
 from mirror_explainer.selection.choice import most_informative
 

@@ -10,11 +10,12 @@ from mirror_explainer.errors import PlanningError
 from mirror_explainer.experiments.study.scenarios import FetchGoal, Scenario
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.listener.listeners import PLANNER, Listener
-from mirror_explainer.listener.mirror_model import MirrorModel, mirror_model
+from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import RobotPlan, way_of
 from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.weighing import mirror_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Planner, Status
 
