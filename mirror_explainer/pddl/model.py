@@ -140,9 +140,14 @@ class _Builder:
         made = up.DurativeAction(str(action.name), self._parameters(action), self._environment)
         bound = self._bound(made)
         lower, upper = duration_bounds(action, source)
-        made.set_closed_duration_interval(
-            self._number(lower or upper, bound), self._number(upper or lower, bound)
-        )
+        try:
+            made.set_closed_duration_interval(
+                self._number(upper if lower is None else lower, bound),
+                self._number(lower if upper is None else upper, bound),
+            )
+        except up_exceptions.UPException:
+            reason = f'"{action.name}" must take longer than it may'
+            raise InputError(source, reason, action.parts[':duration'].line) from None
         start, end = up.StartTiming(), up.EndTiming()
         intervals = {'start': start, 'end': end, 'all': up.OpenTimeInterval(start, end)}
         for phase, condition in timed_conditions(action.parts.get(':condition'), source):
@@ -368,7 +373,7 @@ def initial_values(problem: Definition) -> 'list[tuple[Branch, bool | Fraction]]
                 amount = -(number(str(value[1])) or Fraction(0))
             if isinstance(function, Word):
                 function = part.like([function])
-            if amount is None:
+            if amount is None or not function.head:
                 reason = f'"{as_text(part)[:80]}" gives no number'
                 raise InputError(problem.source, reason, part.line)
             found.append((function, amount))

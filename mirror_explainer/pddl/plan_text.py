@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import ground_text
+from mirror_explainer.pddl.planner_output import plan_in
 from mirror_explainer.pddl.task import Task
 from mirror_explainer.text_files import plain_text
 
@@ -22,6 +23,7 @@ _LINE = re.compile(
     r'(?:\s*\[(?P<lasting>[^\]]*)\])?(?:\s*;.*)?',
     re.IGNORECASE,
 )
+_SEVERAL = re.compile(rf'(?:\(\s*{_WORD}(?:\s+{_WORD})*\s*\)\s*){{2,}}')
 _LASTING = re.compile(rf'\s*(?:d\s*:\s*)?(?P<seconds>{_NUMBER})\s*(?:;.*)?', re.IGNORECASE)
 _HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\s*', re.IGNORECASE)
 
@@ -63,7 +65,13 @@ def read_plan(
             1,
             cure='Check which is which: the files, or the names and remappings of the topics.',
         )
-    steps = list(_steps(text, source))
+    try:
+        steps = list(_steps(text, source))
+    except InputError:
+        inside = plan_in(text)
+        if inside is None:
+            raise
+        steps = list(_steps(inside, source))
     if limits:
         limits.require('max_plan_length', len(steps), 'its actions', source)
     timed = [step for step in steps if step.start is not None]
@@ -95,6 +103,10 @@ def _steps(text: str, source: str) -> Iterator[Step]:
             in_up_plan = in_up_plan or header['header'].lower() != 'plan'
             content = line[header.end() :]
         if re.fullmatch(r'\s*(;.*)?', content):
+            continue
+        if _SEVERAL.fullmatch(content.strip()):
+            for action in re.findall(r'\(([^()]*)\)', content):
+                yield Step(tuple(action.lower().split()), number)
             continue
         found = _LINE.fullmatch(content.strip())
         # A bare word is an action after "0:", or as unified-planning prints one without arguments.

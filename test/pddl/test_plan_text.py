@@ -77,7 +77,6 @@ NOISE = {
     'a bare action': 'move left center',
     'no closing parenthesis': '(move left center',
     'no opening parenthesis': 'move left center)',
-    'two actions': '(move left center) (move center left)',
     'nested': '(move (left) center)',
     'nothing in the parentheses': '()',
     'only a time': '0.0:',

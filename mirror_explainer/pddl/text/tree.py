@@ -198,13 +198,6 @@ def as_text(tree: object) -> str:
     return f'({" ".join(as_text(part) for part in tree)})'
 
 
-def substituted(tree: Tree, instead: dict[str, Tree]) -> Tree:
-    """Return the tree with other trees for some words."""
-    if isinstance(tree, Word):
-        return instead.get(tree, tree)
-    return tree.like(substituted(part, instead) for part in tree)
-
-
 def layout(tree: Branch) -> str:
     """Return a text of the tree: what stood on one line stands on one line again."""
     pieces: list[str] = []
