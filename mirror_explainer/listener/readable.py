@@ -31,7 +31,8 @@ _TO = word_set(
     'show tell serve report move'
 )
 _ONTO = word_set('screw mount bolt glue weld stack')
-_INTO = word_set('load put insert pour place fill drop pack stow store')
+_LOADING = word_set('load insert pour pack stow store')
+_INTO = _LOADING | word_set('put place fill drop')
 # Verbs of moving something: "move-cart" moves what the cart is.
 _MOVING = word_set(
     'move drive fly sail push pull drag steer roll slide shift transfer bring carry'
@@ -46,6 +47,10 @@ _PICTURES = word_set(
     'image picture photo photograph video scan measurement reading snapshot recording'
 )
 _BUILDING = word_set('build construct install erect set')
+# Nouns of a name that stand for whatever object there is.
+_GENERIC = word_set(
+    'room waypoint place location area zone position pose site point spot object item thing target'
+)
 _MANNERS = word_set('mode color colour style language')
 _AS_IT_IS = PARTICLES | DIRECTIONS | {'and'}
 _PLACES = word_set('place location room site area zone city cell position')
@@ -179,7 +184,7 @@ class _Maker:
         verb, rest = self.it.phrase.verb, self.it.phrase.rest
         if rest and rest[0] in DIRECTIONS and verb == 'go' and objects:
             return _Start(['move'], {}, after=rest[0])
-        bare = not rest and (verb == 'pick' or len(objects) == 1)
+        bare = 'up' not in rest if verb == 'pick' else not rest and len(objects) == 1
         words = [_IN_FULL.get(verb, verb) if bare else verb]
         stands_for = {noun: parameter for parameter, noun in self.it.nouns.items()}
         joined: dict[str, str] = {}
@@ -193,14 +198,16 @@ class _Maker:
                 coming = word
             elif not own and (self._is_plain(word) or words[-1] == 'and'):
                 words.append(word)
+            elif word in _GENERIC and (objects or self.it.aim):
+                continue  # it is what the object is: "search-room"
             elif word not in self.it.unsaid_nouns and following not in stands_for:
                 words += [coming] if coming else []
                 coming, own = '', [*own, word]
         if len(own) == 1 and verb in _MOVING and self.it.aim and objects:
             return _Start(words, joined, coming, names=own[0])
-        article = ['the'] if own and verb != 'do' else []
+        article = [_article(own[-1])] if own and verb != 'do' else []
         if coming and not own and len(objects) < 2 and not self.it.aim:
-            words.append(coming)
+            words += [] if self.it.source(''.join(objects)) else [coming]
             coming = ''
         return _Start([*words, *article, *own], joined, coming, bool(own))
 
@@ -233,8 +240,8 @@ class _Maker:
                 return 'into' if relation == 'in' and verb in _INTO else relation
         if made and verb in _TO:
             return 'to'
-        if together and verb in _ONTO:
-            return 'onto'
+        if together and verb in _ONTO | _LOADING:
+            return 'onto' if verb in _ONTO else 'into'
         if self._is(parameter, _MANNERS):
             return 'in'
         place = self._is_there(parameter) or self._is(parameter, _PLACES)
@@ -248,3 +255,10 @@ class _Maker:
     def _is(self, parameter: str, nouns: frozenset[str]) -> bool:
         kinds = self.it.roles.kinds[parameter]
         return any(not nouns.isdisjoint(words_in(kind)) for kind in kinds)
+
+
+def _article(noun: str) -> str:
+    """Return "a" for what there is more of with every step, such as pictures, else "the"."""
+    if noun in _PICTURES:
+        return 'an' if noun[0] in 'aeiou' else 'a'
+    return 'the'

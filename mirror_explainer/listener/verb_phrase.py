@@ -10,7 +10,7 @@ PREPOSITIONS = word_set(
     'along around inside of beside'
 )
 PARTICLES = word_set('up down off over out away back together on in apart open shut')
-DIRECTIONS = word_set('up down left right north south east west forward backward back')
+DIRECTIONS = word_set('home up down left right north south east west forward backward back')
 _ORDINALS = word_set('first second third fourth')
 _ADVERBS = _ORDINALS | word_set('last again now')
 # Verbs that need not be said before another: "do-polish".

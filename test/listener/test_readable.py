@@ -91,7 +91,7 @@ SPOKEN = [
     (
         action('take-picture', '?t - thing ?f - film', '(shown ?t ?f)'),
         'red_mug colour',
-        'take the picture of the red Mug with the colour film',
+        'take a picture of the red Mug with the colour film',
     ),
     (
         action('check_lights', '?r - room', '(seen ?r)', '(at ?r)'),
@@ -111,6 +111,23 @@ SPOKEN = [
         'big_hall',
         'clean the floor of the big hall',
     ),
+    (action('search_area', '?r - storey', '(seen ?r)'), 'level_0', 'search level 0'),
+    (
+        action('pick_from', '?t - thing ?r - room', '(held ?t) (not (on-shelf ?t ?r))'),
+        'tin7 x',
+        'pick up tin7 from room x',
+    ),
+    # The two of them do the same: which one is no matter to anybody.
+    (
+        action('load-first', '?t - thing ?b - bay', '(stored ?t ?b)')
+        + action('load-second', '', ''),
+        'tin7 bay_1',
+        'load tin7 into bay 1',
+    ),
+    (action('do-polish', '?t - thing', '(held ?t)'), 'red_mug', 'polish the red Mug'),
+    (action('wait-2', '', '(charged)'), '', 'wait 2'),
+    (action('start-charging', '', '(charged)'), '', 'start charging'),
+    (action('go_home', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'go home to the big hall'),
 ]
 
 
