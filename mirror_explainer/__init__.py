@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mirror_explainer.commands.offline import explain_files
     from mirror_explainer.errors import InputError, NoPlanError, PlanningError
-    from mirror_explainer.explainer import Explanation, explain, robot_plan
+    from mirror_explainer.explainer import explain, robot_plan
+    from mirror_explainer.listener.explanation import Explanation
     from mirror_explainer.listener.preparation import Preparation, prepare, refine
     from mirror_explainer.listener.user_model import UserModel, read_user_model
     from mirror_explainer.pddl import Task, read_task
@@ -29,7 +30,7 @@ _PLACES = {
     'InputError': 'errors',
     'NoPlanError': 'errors',
     'PlanningError': 'errors',
-    'Explanation': 'explainer',
+    'Explanation': 'listener.explanation',
     'explain': 'explainer',
     'robot_plan': 'explainer',
     'Preparation': 'listener.preparation',

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError
-from mirror_explainer.explainer import Explanation, explain, robot_plan
+from mirror_explainer.explainer import explain, robot_plan
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.listeners import PLANNER
 from mirror_explainer.listener.preparation import (
     Preparation,

@@ -1,6 +1,6 @@
 """What an answer does to its listener, in a few plain sentences."""
 
-from mirror_explainer.explainer import Explanation
+from mirror_explainer.listener.explanation import Explanation
 
 # A candidate that is less probable than this need not be told of.
 _WORTH_TELLING = 0.05

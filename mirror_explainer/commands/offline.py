@@ -10,7 +10,8 @@ from typing import Any
 
 from mirror_explainer.commands.options import add_settings, settings_from
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError, told
-from mirror_explainer.explainer import Explanation, explain, robot_plan, robot_plan_of
+from mirror_explainer.explainer import explain, robot_plan, robot_plan_of
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import (
     Preparation,

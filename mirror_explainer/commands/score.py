@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from mirror_explainer.explainer import Explanation, positions_of
+from mirror_explainer.explainer import positions_of
+from mirror_explainer.listener.explanation import Explanation
 
 
 def scores(explanation: Explanation, sentences: Sequence[str]) -> dict[str, Any]:

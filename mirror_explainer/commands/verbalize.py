@@ -18,7 +18,8 @@ from mirror_explainer.commands.offline import (
 from mirror_explainer.commands.options import add_settings, settings_from, whole
 from mirror_explainer.commands.score import score_table, scores
 from mirror_explainer.errors import InputError, PlanningError, told
-from mirror_explainer.explainer import Explanation, explain
+from mirror_explainer.explainer import explain
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.selection.choice import informative_order
 from mirror_explainer.settings import STRATEGIES, Question, meaning_of
 from mirror_explainer.text_files import read_text, write_text

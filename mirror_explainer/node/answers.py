@@ -6,7 +6,8 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mirror_explainer.explainer import Explanation, explain
+from mirror_explainer.explainer import explain
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.settings import Question
 

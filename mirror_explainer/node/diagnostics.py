@@ -7,7 +7,7 @@ the values.
 from dataclasses import dataclass
 from enum import IntEnum
 
-from mirror_explainer.explainer import Explanation
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.node.history import History
 from mirror_explainer.node.inputs import Inputs
 from mirror_explainer.node.moment import Moment

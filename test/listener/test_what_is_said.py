@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 from prepared import prepared
 
-from mirror_explainer.explainer import Explanation, explain
+from mirror_explainer.explainer import explain
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import read_task

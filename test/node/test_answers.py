@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from patience import PATIENCE
 
-from mirror_explainer.explainer import Explanation, robot_plan
+from mirror_explainer.explainer import robot_plan
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.preparation import Preparation, prepare
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node import answers as module

@@ -14,7 +14,8 @@ import pytest
 from conftest import WAREHOUSE
 from prepared import prepared as planned
 
-from mirror_explainer.explainer import Explanation, explain
+from mirror_explainer.explainer import explain
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.node.diagnostics import Diagnosis, Level, diagnose
