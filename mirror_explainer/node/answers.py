@@ -111,10 +111,13 @@ class Answers:
         """Return the answer, which is kept; of those after something said the last one is."""
         if self._made_for is not preparation:
             self._made_for, self._made = preparation, {}
-        asked = (question, said, self._last_episode)
+        situation, last = preparation.situation, self._last_episode
+        if situation is None or last == situation.number:
+            last = None  # the same to say as before anything was
+        asked = (question, said, last)
         made = self._made.get(bool(said))
         if made is None or made.asked != asked:
-            explanation = explain(preparation, question, said, last_episode=self._last_episode)
+            explanation = explain(preparation, question, said, last_episode=last)
             values = {**explanation.as_dict(hypotheses=False), 'inputs': preparation.inputs}
             report = json.dumps(values, ensure_ascii=False)
             made = _Made(asked, explanation, printable(explanation.spoken), printable(report))

@@ -51,8 +51,7 @@ def main() -> int:
             for name, timeout in WAITS.items():
                 peer.set_parameters(answer_timeout=timeout)
                 robot.send()
-                wanted = right.to(robot.newest)
-                while peer.call().message != wanted:
+                while not right.are(peer.call().message, robot.newest):
                     pass  # its texts are being read, or it was not heard yet
                 seconds[name].append(time.monotonic() - robot.times.published[-1])
     rclpy.try_shutdown()

@@ -53,12 +53,17 @@ class Scene:
 
     def until_fresh(self) -> float:
         """Wait for the answer to the newest update; return how long after its publication."""
-        wanted = self.right.to(self.robot.newest)
+        newest = self.robot.newest
         fresh = eventually(
             lambda: next(
-                (a for a in self.callers.call(SERVICE, 1, 1).answers if a.message == wanted), None
+                (
+                    answer
+                    for answer in self.callers.call(SERVICE, 1, 1).answers
+                    if self.right.are(answer.message, newest)
+                ),
+                None,
             ),
-            wanted,
+            self.right.to(newest),
         )
         return fresh.ended - self.robot.times.published[-1]
 

@@ -64,7 +64,7 @@ def soak(folder: Path, rounds: int) -> Iterator[tuple[Usage, Verdict]]:
             callers.start('verbalize_plan', MANY if number < WARM_UP else BURST, calls=1)
             robot.send_many(BURST, RATE)
             verdict = judge(callers.finish(), robot.times, right)
-            while peer.call().message != right.to(robot.newest):
+            while not right.are(peer.call().message, robot.newest):
                 pass  # the peer's own executor does not spin here: it waits for each answer
             yield usage(node.popen.pid, temporary), verdict
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from prepared import prepared
 
 from mirror_explainer.explainer import explain
+from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import read_task
 from mirror_explainer.planning import Planner
@@ -59,6 +60,10 @@ class RightAnswers:
     def to(self, number: int) -> str:
         """Return the answer to an update."""
         return self.template.replace(_number_words(0), _number_words(number))
+
+    def are(self, message: str, number: int) -> bool:
+        """Say whether a message is the answer to an update, be it told as a new task or not."""
+        return message.removeprefix(f'{Phrases.new_task}\n') == self.to(number)
 
 
 def _number_words(number: int) -> str:

@@ -108,7 +108,7 @@ def _kind(answer: Answer, times: Times, right: RightAnswers) -> str:
     number = number_in(answer.message)
     surely_heard = bisect.bisect_right(times.heard, answer.began) - 1
     newest = bisect.bisect_right(times.published, answer.ended) - 1
-    if number is None or number > newest or answer.message != right.to(number):
+    if number is None or number > newest or not right.are(answer.message, number):
         return 'wrong'
     return 'right' if number >= surely_heard else 'stale'
 

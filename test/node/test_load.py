@@ -55,7 +55,7 @@ def test_fifty_callers_are_answered_although_the_robot_never_stops_changing(
             changing.join()
         last = peer.answer()
     assert judge(calls, robot.times, right) == Verdict(right=2 * CLIENTS)
-    assert last == right.to(robot.newest)
+    assert right.are(last, robot.newest)
 
 
 # Updates 0, 1, 2 are published at 0, 10, 20 s, and surely heard a second later.
