@@ -27,6 +27,8 @@ from mirror_explainer.node.plansys2_execution import (
     RUNNING,
     Execution,
     PlannedAction,
+    goal_holds,
+    goal_of,
 )
 from mirror_explainer.node.plansys2_messages import Messages, plansys2_messages
 
@@ -78,6 +80,7 @@ class Plansys2Bridge(Node):
         self._executors: set[bytes] | None = None  # who may have told it; None: not looked at yet
         self._under_way: bool | None = None  # whether the executor has a goal; None: not heard
         self._ends: float | None = None  # when the plan that is over is no longer told
+        self._over = False  # whether the plan is over, which is not told yet
         self._stuck = False  # whether the plan is over because it failed
         self._goal = ''  # the goal of the plan that is told
         self._plan_waits = False  # for the problem that belongs to it
@@ -112,7 +115,7 @@ class Plansys2Bridge(Node):
         if self._plan_waits and not self._problem.asked:
             self._tell_plan()
         elif not self._plan_waits:
-            self._tell('progress', self._execution.progress)
+            self._tell_progress()
 
     def _executor_is_gone(self) -> bool:
         """Say whether none is left of the publishers that there were when the plan was heard.
@@ -132,7 +135,7 @@ class Plansys2Bridge(Node):
 
     def _on_problem(self, text: str) -> None:
         self._tell('problem', text)
-        if self._stuck and _goal(text) != self._goal:
+        if self._stuck and goal_of(text) != self._goal:
             self._execution, self._stuck = Execution.of(()), False
             self._plan_waits = True
         if self._plan_waits:
@@ -144,7 +147,7 @@ class Plansys2Bridge(Node):
         )
         if actions == self._execution.actions and not self._stuck:
             return  # some versions repeat it all the time
-        self._execution, self._stuck = Execution.of(actions), False
+        self._execution, self._stuck, self._over = Execution.of(actions), False, False
         self._heard_plan, self._executors = time.monotonic(), None
         if self._under_way is not False:
             self._expect_plan()
@@ -170,8 +173,7 @@ class Plansys2Bridge(Node):
         """Tell no plan any more, unless it failed."""
         self._ends = None
         self._stuck = self._execution.failed
-        if not self._stuck:
-            self._execution = Execution.of(())
+        self._over = not self._stuck
         self._expect_plan()
 
     def _expect_plan(self) -> None:
@@ -181,22 +183,27 @@ class Plansys2Bridge(Node):
         self._plan_waits = True
 
     def _tell_plan(self) -> None:
-        """Tell how far the robot is before the plan: what was done belongs to the one before."""
+        """Tell the plan, and how far the robot is with it; first, since that was of another."""
         self._plan_waits = False
-        if not self._stuck:
-            self._goal = _goal(self._told.get('problem', ''))
-        self._tell('progress', self._execution.progress)
+        problem = self._told.get('problem', '')
+        if self._over:
+            if goal_holds(problem):  # PlanSys2 may not say so of the last actions
+                self._execution = self._execution.finished()
+                self._tell_progress()
+            self._execution, self._over = Execution.of(()), False
+        elif not self._stuck:
+            self._goal = goal_of(problem)
+        self._tell_progress()
         self._tell('plan', self._execution.plan)
+
+    def _tell_progress(self) -> None:
+        if self._execution.actions:  # what was done of a plan stays done when that is over
+            self._tell('progress', self._execution.progress)
 
     def _tell(self, topic: str, text: str) -> None:
         if self._told.get(topic) != text:
             self._told[topic] = text
             self._outputs[topic].publish(String(data=text))
-
-
-def _goal(problem: str) -> str:
-    """Return the part of PlanSys2's problem from the goal on."""
-    return problem.partition(':goal')[2]
 
 
 class _Service:

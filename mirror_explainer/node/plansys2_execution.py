@@ -4,6 +4,7 @@ PlanSys2 tells the plan once, and of each action where it stands under a full na
 action and the millisecond of its start: `(go b dock lab):6001` begins after 6.001 s.
 """
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -47,6 +48,10 @@ class Execution:
         found = (*self.standing[:position], standing, *self.standing[position + 1 :])
         return replace(self, standing=found)
 
+    def finished(self) -> 'Execution':
+        """Return this execution once all of it is done."""
+        return replace(self, standing=(DONE,) * len(self.actions))
+
     @property
     def failed(self) -> bool:
         """Whether an action failed: PlanSys2 then gives the plan up."""
@@ -67,3 +72,26 @@ class Execution:
             for action, standing in zip(self.actions, self.standing, strict=True)
             if standing != AHEAD
         )
+
+
+def goal_of(problem: str) -> str:
+    """Return the part of PlanSys2's problem that is its goal."""
+    return problem.partition(':goal')[2].partition(':metric')[0]
+
+
+def goal_holds(problem: str) -> bool:
+    """Say whether all facts that PlanSys2's problem has as its goal hold in it.
+
+    False for a goal that is no conjunction of facts: of that only the explainer can tell.
+    """
+    goal = goal_of(problem)
+    wanted = _facts(goal)
+    rest = _FACT.sub('', goal).replace('(', ' ').replace(')', ' ').lower().split()
+    return bool(wanted) and set(rest) <= {'and'} and wanted <= _facts(problem.split(':goal')[0])
+
+
+_FACT = re.compile(r'\(([^()]+)\)')
+
+
+def _facts(text: str) -> set[tuple[str, ...]]:
+    return {tuple(words.lower().split()) for words in _FACT.findall(text)}

@@ -11,6 +11,7 @@ from mirror_explainer.node.plansys2_execution import (
     RUNNING,
     Execution,
     PlannedAction,
+    goal_holds,
 )
 from mirror_explainer.node.plansys2_messages import FIELDS, checked
 
@@ -59,6 +60,25 @@ def test_a_failed_action_fails_the_plan(execution):
     now = execution.after('(roll c1 beans gate):6001', FAILED)
     assert now.failed
     assert now.progress == 'failed: (roll c1 beans gate)'
+
+
+def problem(facts: str, goal: str) -> str:
+    return f'( define ( problem p )\n( :init\n\t{facts} )\n( :goal\n\t{goal}\n)\n)\n'
+
+
+@pytest.mark.parametrize(
+    ('facts', 'goal', 'holds'),
+    [
+        ('( has c1 rake )\n\t( has c1 hoe )', '( and ( has c1 rake ) ( has c1 Hoe ) )', True),
+        ('( has c1 rake )', '( and ( has c1 rake ) ( has c1 hoe ) )', False),
+        ('( has c1 rake )', '(has c1 rake)', True),
+        ('( has c1 rake )', '( or ( has c1 rake ) ( has c1 hoe ) )', False),
+        ('( has c1 rake )', '( and ( has c1 rake ) ( not ( has c1 hoe ) ) )', False),
+        ('( has c1 rake )', '( and )', False),
+    ],
+)
+def test_whether_a_goal_of_facts_is_reached_is_read_off_the_problem(facts, goal, holds):
+    assert goal_holds(problem(facts, goal)) is holds
 
 
 def modules(**left_out: tuple[str, ...]) -> tuple[SimpleNamespace, SimpleNamespace]:
