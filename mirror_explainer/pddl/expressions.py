@@ -128,6 +128,9 @@ class Expressions:
             if head in operators and parts:
                 return operators[head](*parts)
             if len(parts) == 2:
+                if head == '/' and parts[1].is_constant() and not parts[1].constant_value():
+                    self._fault(f'"{as_text(tree)[:80]}" divides by zero', tree)
+                    return nothing
                 pair = self._manager.Minus if head == '-' else self._manager.Div
                 return pair(*parts)
             self._fault(f'"{as_text(tree)[:80]}" does not have the parts it needs', tree)

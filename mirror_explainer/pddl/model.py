@@ -406,9 +406,7 @@ def duration_bounds(action: Action, source: str) -> tuple[Tree | None, Tree | No
     assert isinstance(tree, Branch)
     least: Tree | None = None
     most: Tree | None = None
-    if not tree:
-        return word('0', tree), None
-    for part in tree[1:] if tree.head == 'and' else [tree]:
+    for part in tree[1:] if tree.head == 'and' or not tree else [tree]:
         if isinstance(part, Branch) and part.head == 'at' and len(part) == 3:
             part = part[2]
         if (
@@ -426,4 +424,6 @@ def duration_bounds(action: Action, source: str) -> tuple[Tree | None, Tree | No
             least = part[2]
         if part.head != '>' and part.head != '>=':
             most = part[2]
+    if least is None and most is None:  # any time will do
+        return word('0', tree), None
     return least, most

@@ -412,6 +412,14 @@ def test_a_plan_without_times_is_carried_out_one_action_after_another() -> None:
 
 
 REFUSED_DOMAINS = {
+    'a duration that divides by nothing': (
+        ('(= ?duration 5.5)', '(= ?duration (/ 5 0))'),
+        'domain, line 25: "charge" takes a time that divides by zero',
+    ),
+    'a duration that must be longer than it may': (
+        ('(= ?duration 5.5)', '(and (>= ?duration 6) (<= ?duration 5))'),
+        'domain, line 25: "charge" must take longer than it may',
+    ),
     'a duration below zero': (
         ('(= ?duration 5.5)', '(= ?duration -1)'),
         'domain, line 25: "charge" takes a time below zero',

@@ -165,6 +165,10 @@ PROBLEM_FAULTS = {
         PROBLEM.replace('(lit l1)', '(exists (?x - lamp))'),
         'problem, line 7: "(exists (?x - lamp))" does not have the parts it needs',
     ),
+    'a number of nothing': (
+        PROBLEM.replace('(power)', '(power) (= () 5)'),
+        'problem, line 5: "(= () 5)" gives no number',
+    ),
     'a variable out of the blue': (
         PROBLEM.replace('(lit l1)', '(lit ?x)'),
         'problem, line 7: the variable ?x is not declared',
