@@ -2,6 +2,7 @@
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,7 @@ from mirror_explainer.experiments.study.report import results, write_report  # n
 from mirror_explainer.experiments.study.scenarios import CORRIDORS, scenarios  # noqa: E402
 from mirror_explainer.experiments.study.statistics import (  # noqa: E402
     answer_table,
+    at_percents,
     curves,
     earliest_steps,
     mean_tests,
@@ -287,7 +289,18 @@ def scripted(participant, strategy, answers, scenario='s'):
     """Answers of one scenario from a script: r(ight), w(rong), or ? for "I don't know"."""
     said = {'r': 'goal', 'w': 'other', '?': DONT_KNOW}
     return [
-        Answer(participant, 'people', scenario, strategy, step, len(answers), '', 'goal', said[a])
+        Answer(
+            participant,
+            'people',
+            scenario,
+            strategy,
+            step,
+            len(answers),
+            len(answers),
+            '',
+            'goal',
+            said[a],
+        )
         for step, a in enumerate(answers, start=1)
     ]
 
@@ -308,6 +321,15 @@ def test_hit_ratios_are_those_computed_by_hand():
     assert math.isnan(curve.loc[10, 'hit_ratio_low'])  # one value has no band
     # From 90 % (3.6, step 4) on both are right; at 80 % (3.2) it is still step 3.
     assert reached_at(curve.reset_index(), 'people', 'informative', 'hit_ratio', 0.85) == 90
+
+
+def test_the_share_of_a_plan_counts_its_steps_and_not_its_different_sentences():
+    # A plan of 10 steps with 4 different sentences: 20 % of it is two, 50 % and more all four.
+    answers = [replace(a, plan_length=10) for a in scripted('a', 'informative', 'wrrr')]
+
+    said = at_percents(answer_table(answers)).set_index('percent')['step']
+
+    assert said.loc[[10, 20, 30, 50, 100]].tolist() == [1, 2, 3, 4, 4]
 
 
 def test_a_participants_scenarios_are_averaged_before_participants_are():
@@ -396,8 +418,8 @@ def test_a_run_leaves_every_answer_behind(run):
     answers = pd.read_csv(run / 'answers.csv')
 
     assert list(answers.columns) == [
-        'participant', 'observer', 'scenario', 'strategy', 'step', 'steps', 'said', 'goal',
-        'answer', 'predicted', 'correct',
+        'participant', 'observer', 'scenario', 'strategy', 'step', 'steps', 'plan_length', 'said',
+        'goal', 'answer', 'predicted', 'correct',
     ]  # fmt: skip
     assert set(answers['observer']) == set(KINDS)
     shown = answers.groupby(['participant', 'scenario'])

@@ -151,6 +151,7 @@ def test_the_export_gives_exactly_the_statistics_of_the_scripts(finished, export
                         strategy=strategy,
                         step=step,
                         steps=len(steps),
+                        plan_length=len(item.plan.actions),
                         said=' '.join(map(str, positions)),
                         goal=item.scenario.goals[item.scenario.goal].name,
                         answer=DONT_KNOW if choice == '?' else page.goals[int(choice)],

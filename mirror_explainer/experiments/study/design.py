@@ -20,7 +20,8 @@ GROWTHS = ('order', 'sets')
 class Answer:
     """What one participant said at one step: a row of the study's table.
 
-    `step` counts from 1 to `steps`, the length of the plan. `said` are the plan
+    `step` counts from 1 to `steps`, as many as there are different sentences;
+    `plan_length` is |π_R|, in which a sentence may come twice. `said` are the plan
     positions said so far; `goal` is the robot's, and `answer` is the name of a
     goal, or DONT_KNOW.
     """
@@ -31,6 +32,7 @@ class Answer:
     strategy: str
     step: int
     steps: int
+    plan_length: int
     said: str
     goal: str
     answer: str

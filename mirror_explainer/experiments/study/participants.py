@@ -118,6 +118,7 @@ def _one_scenario(
             strategy=strategy,
             step=step,
             steps=len(said),
+            plan_length=len(planned.plan.actions),
             said=' '.join(map(str, positions)),
             goal=scenario.goals[scenario.goal].name,
             answer=DONT_KNOW if chosen is None else scenario.goals[scenario.shown[chosen]].name,

@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from mirror_explainer.experiments.averages import PERCENTS, mean_interval, said_at
+from mirror_explainer.experiments.averages import PERCENTS, mean_interval
 from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.experiments.study.observers import KINDS
 from mirror_explainer.experiments.study.participants import Noise, simulate
 from mirror_explainer.experiments.study.plans import plan_scenarios
 from mirror_explainer.experiments.study.scenarios import scenarios
+from mirror_explainer.experiments.study.statistics import at_percents
 from mirror_explainer.experiments.study.warehouse_floor import read_floor
 from mirror_explainer.listener.listeners import LISTENERS
 
@@ -52,11 +53,7 @@ def compared(answers: pd.DataFrame) -> pd.DataFrame:
     `more` is by how much the open speaker's is higher, with the 95 % bootstrap interval of
     that, scenarios resampled.
     """
-    parts = []
-    for percent in PERCENTS:
-        at = answers[answers['step'] == said_at(percent, answers['steps'])]
-        parts.append(at.assign(percent=percent))
-    shares = pd.concat(parts)
+    shares = at_percents(answers)
     shares['correct'] = (shares['answer'] == shares['goal']).astype(float)
     pairs = shares.pivot(
         index=['observer', 'percent', 'scenario', 'participant'],

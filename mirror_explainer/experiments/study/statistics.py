@@ -34,19 +34,26 @@ def answer_table(answers: Iterable[Answer]) -> pd.DataFrame:
     return table
 
 
-def ratios(answers: pd.DataFrame) -> pd.DataFrame:
-    """Return both measures of each participant at each % of the plan, for each strategy.
+def at_percents(answers: pd.DataFrame) -> pd.DataFrame:
+    """Return the answers at 10 %, 20 %, … 100 % of the plan: those given at step `said_at`.
 
-    At x % of the plan the answer counts that was given at step `said_at`. The hit
-    ratio of predictions is missing where none was made.
+    Where all different sentences are said before, the last answer counts.
     """
     parts = []
     for percent in PERCENTS:
-        step = said_at(percent, answers['steps'])
+        step = said_at(percent, answers['plan_length']).clip(max=answers['steps'])
         parts.append(answers[answers['step'] == step].assign(percent=percent))
+    return pd.concat(parts)
+
+
+def ratios(answers: pd.DataFrame) -> pd.DataFrame:
+    """Return both measures of each participant at each % of the plan, for each strategy.
+
+    The hit ratio of predictions is missing where none was made.
+    """
     keys = ['observer', 'strategy', 'percent', 'participant']
     counts = (
-        pd.concat(parts)
+        at_percents(answers)
         .groupby(keys, sort=False)
         .agg(
             correct=('correct', 'sum'), predicted=('predicted', 'sum'), answers=('correct', 'size')

@@ -24,7 +24,7 @@ from mirror_explainer.experiments.understanding.tasks import DrawnTask, own_task
 from mirror_explainer.planning import Planner
 
 _TIMEOUT = 30.0  # s, for one plan
-_VERSION = 1  # of what is measured: results of another one are measured anew
+_VERSION = 2  # of what is measured: results of another one are measured anew
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,7 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from mirror_explainer.experiments.understanding.report import write_report
 
         rows = [row for judged in _measured(tasks, options) for row in judged]
-        if not rows:
+        if all(row.cut for row in rows):
+            print('who_understands: nothing could be measured in this time', file=sys.stderr)
             return 1
         write_report(rows, len(tasks), options.output, _command(options))
     except (InputError, PlanningError, MissingExtras, OSError) as error:

@@ -52,6 +52,7 @@ def answers(participant: Participant, design: Design) -> Iterator[Answer]:
                 strategy=strategies[encounter.name],
                 step=step.step,
                 steps=encounter.steps,
+                plan_length=len(encounter.sentences),
                 said=' '.join(map(str, sorted(order[: step.step]))),
                 goal=encounter.goal,
                 answer=step.answer,
