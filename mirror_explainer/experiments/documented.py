@@ -21,6 +21,7 @@ _SHOWN: Mapping[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     **TABLES,
     'speakers': speakers_table,
     'pucrs_domains': lambda table: table.round(2),
+    'tests': lambda table: table.dropna(axis='columns', how='all'),  # of simulated, without p
 }
 
 

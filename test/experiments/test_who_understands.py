@@ -1,11 +1,13 @@
 """Who understands what: the tasks, what is judged, and the tables made from it."""
 
+from pathlib import Path
 from random import Random
 
 import pytest
 
 pd = pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
 
+from mirror_explainer.experiments.documented import filled  # noqa: E402
 from mirror_explainer.experiments.understanding import report  # noqa: E402
 from mirror_explainer.experiments.understanding.judged import (  # noqa: E402
     EQUALS,
@@ -19,6 +21,8 @@ from mirror_explainer.experiments.understanding.tasks import own_tasks  # noqa: 
 from mirror_explainer.experiments.understanding.who_understands import main  # noqa: E402
 from mirror_explainer.pddl import read_task  # noqa: E402
 from mirror_explainer.planning import Planner  # noqa: E402
+
+DOCS = Path(__file__).parents[2] / 'docs'
 
 
 @pytest.fixture(scope='module')
@@ -112,3 +116,30 @@ def test_a_report_says_how_it_is_made_and_of_how_many_tasks_not_all_is_known(tmp
 def test_bad_input_ends_with_a_sentence(tmp_path, capsys) -> None:
     assert main(['--dataset', str(tmp_path / 'nowhere')]) == 2
     assert 'there is no such folder' in capsys.readouterr().err
+
+
+def test_the_tables_of_the_results_page_are_those_of_the_files() -> None:
+    page = (DOCS / 'results.md').read_text('utf-8')
+
+    assert page.count('<!-- table ') >= 7
+    assert filled(page, DOCS / 'results') == page
+
+
+def test_what_was_measured_of_both_speakers_is_what_the_results_page_says() -> None:
+    table = pd.read_csv(DOCS / 'results' / 'understanding.csv')
+    more = pd.read_csv(DOCS / 'results' / 'against.csv')
+
+    for group in ('PUCRS', 'our robots'):
+        of = table[(table['group'] == group) & (table['plans'] == 300)]
+        mean = of.set_index(['judge', 'speaker', 'N'])['mean']
+        for n in (1, 2, 3, 4):
+            assert mean['open', 'open', n] > mean['open', 'planner', n]
+            # To a planner they differ by less than their intervals are wide.
+            assert mean['planner', 'open', n] >= mean['planner', 'planner', n] - 0.05
+    pucrs = table[(table['group'] == 'PUCRS') & (table['plans'] == 300)]
+    mean = pucrs.set_index(['judge', 'speaker', 'N'])['mean']
+    for n in (1, 2, 3):
+        assert mean['open', 'open', n] >= 2 * mean['open', EQUALS, n]
+    sure = more[(more['group'] == 'PUCRS') & (more['plans'] == 300)].set_index(['judge', 'N'])['p']
+    assert (sure['open'] < 0.05).all()
+    assert (sure['planner'] > 0.05).all()
