@@ -15,15 +15,29 @@ WORDS = {
 }  # fmt: skip
 
 
-def test_each_key_of_the_answer_is_explained():
+def answer_for(user_model: str) -> dict[str, object]:
+    """Return the warehouse's answer of three sentences for one of its listeners."""
     files = {'domain': 'domain.pddl', 'problem': 'problem.pddl', 'plan': 'plan.txt'}
-    files['user-model'] = 'visitor.yaml'
+    files['user-model'] = user_model
     options = [word for n, f in files.items() for word in (f'--{n}', str(WAREHOUSE / f))]
-    command = [sys.executable, '-m', 'mirror_explainer.verbalize', *options, '--json']
+    command = [sys.executable, '-m', 'mirror_explainer.verbalize', *options, '--json', '-n', '3']
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
+def test_the_readmes_example_is_what_the_robot_says():
+    answer = answer_for('user_model.yaml')
+    readme = (ROOT / 'README.md').read_text()
+    assert '\n'.join(f'> {line}' for line in answer['spoken'].split('\n')) in readme
+    understood = [row['understanding'] for row in answer['baselines']]
+    likely = [f'*{round(100 * p)} % likely*' for p in (*understood, answer['understanding'])]
+    assert ' | '.join(likely) in readme
+
+
+def test_each_key_of_the_answer_is_explained():
     page = (ROOT / 'docs' / 'answer.md').read_text()
     named = set(re.findall(r'`(\w+)`', page))
-    answer = json.loads(done.stdout)
+    answer = answer_for('visitor.yaml')
     assert set(answer) <= named
     assert named - WORDS <= keys(answer), 'the page names what is not'
 
