@@ -70,7 +70,10 @@ class Effect:
 
 def variables_of(parts: Sequence[Tree]) -> dict[str, Kinds]:
     """Return the variables of "?a ?b - type"; the faults in it are found elsewhere."""
-    return {str(name): tuple(map(str, kinds)) for name, kinds in typed_names(parts, '')}
+    try:
+        return {str(name): tuple(map(str, kinds)) for name, kinds in typed_names(parts, '')}
+    except InputError:
+        return {}
 
 
 def read_actions(domain: Definition, types: Mapping[str, Kinds]) -> list[Action]:

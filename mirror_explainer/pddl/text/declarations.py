@@ -136,7 +136,7 @@ def typed_names(parts: Sequence[Tree], source: str) -> Iterator[tuple[Word, tupl
         kind = next(rest, None)
         if not names or kind is None or kind == '-':
             missing = 'a name before' if not names else 'a type after'
-            raise InputError(source, f'there is no {missing} this "-"', part.line)
+            raise InputError(source, f'{missing} this "-" is missing', part.line)
         kinds = _kinds(kind, source)
         for name in names:
             yield name, kinds
