@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 
 from mirror_explainer.pddl.episode import Episode, goal_of, outcome
-from mirror_explainer.pddl.happenings import ground
+from mirror_explainer.pddl.happenings import Happening, ground
 from mirror_explainer.pddl.plan_check import tried
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.progress import Progress, StepStatus
@@ -48,6 +48,8 @@ def follow(
         _, fault = tried(task, remaining)
         if fault is None:
             return None
+    if not found and task:
+        return _out_of_step(episode, task, state, known, uncertain)
     return next(reversed(fitting or found), None)
 
 
@@ -88,3 +90,59 @@ def _rest_works(episode: Episode, task: Task, count: int, state: State) -> bool:
     happenings = episode.run.happenings
     going = Progress.after(happenings, count).positions(StepStatus.RUNNING)
     return outcome(task, given, happenings[count:], state, evaluator, going) is not None
+
+
+def _out_of_step(
+    episode: Episode, task: Task, state: State, known: Progress, uncertain: Collection[str]
+) -> Progress | None:
+    """Return the progress of steps that overlap, and start or end in another order than planned.
+
+    So it is where several robots work side by side, and one is late.
+    """
+    evaluator, happenings = Evaluator(task), episode.run.happenings
+    given = ground(evaluator, episode.steps)
+    in_turn = [happening.step for happening in happenings]
+    if in_turn == sorted(in_turn):
+        return None  # no steps overlap
+    matter = [a for a in (*episode.matters[0], *uncertain) if a not in state.numbers]
+    wanted = [evaluator.value_of(atom, state) for atom in matter]
+    begun = episode.run.passed[0]
+    cuts: dict[frozenset[int], State] = {frozenset(): begun}
+    waiting, best = [frozenset[int]()], known
+    is_found = False
+    while waiting and len(cuts) < _MOST_CUTS:
+        cut = waiting.pop(0)
+        progress = _cut(happenings, cut)
+        there = cuts[cut]
+        if progress.done >= best.done and wanted == [
+            evaluator.value_of(atom, there) for atom in matter
+        ]:
+            rest = [h for k, h in enumerate(happenings) if k not in cut]
+            going = progress.positions(StepStatus.RUNNING)
+            if outcome(task, given, rest, state, evaluator, going):
+                best, is_found = progress, True
+        for k, happening in enumerate(happenings):
+            step = given[happening.step]
+            is_next = k not in cut and (
+                happening.starts or progress.steps[happening.step] is StepStatus.RUNNING
+            )
+            if not is_next or cut | {k} in cuts:
+                continue
+            if not step.lacking(step.conditions(happening), there, evaluator):
+                changes = evaluator.changes(step.effects(happening), there, step.binding)
+                cuts[cut | {k}] = there.after(changes)
+                waiting.append(cut | {k})
+    return best if is_found else None
+
+
+# With more robots than three or so not all orders are tried, only the next ones.
+_MOST_CUTS = 2000
+
+
+def _cut(happenings: Sequence[Happening], happened: Collection[int]) -> Progress:
+    """Return the progress when some happenings have happened, given by their places."""
+    statuses = dict.fromkeys((happening.step for happening in happenings), StepStatus.AHEAD)
+    for place in sorted(happened):
+        ends = happenings[place].ends
+        statuses[happenings[place].step] = StepStatus.DONE if ends else StepStatus.RUNNING
+    return Progress(tuple(statuses[step] for step in sorted(statuses)))

@@ -237,6 +237,29 @@ def test_a_plan_that_has_nothing_to_do_with_the_state_is_refused(
     assert str(refused.value) == said
 
 
+def test_robots_that_work_side_by_side_need_not_be_in_step() -> None:
+    def two(facts: str) -> Task:
+        return read_task(
+            DOMAIN,
+            '(define (problem p) (:domain fetch) (:objects r s - robot dock lab shop - spot '
+            f'cup book - thing) (:init {facts} (= (battery r) 9) (= (battery s) 9)'
+            '(= (odometer r) 0) (= (odometer s) 0)) (:goal (and (has r cup) (has s book))))',
+        )
+
+    plan = read_plan(
+        '0: (drive r dock lab) [6]\n0: (drive s dock shop) [6]\n'
+        '6.1: (pick r cup lab) [2]\n6.1: (pick s book shop) [2]'
+    )
+    start = '(at-spot r dock) (at-spot s dock) (lies cup lab) (lies book shop)'
+    episode, known = begin(two(start), plan)
+    # r has the cup, and s is still on its way; or has not even left.
+    late = two('(at-spot r lab) (has r cup) (lies book shop)')
+    later = two('(at-spot r lab) (has r cup) (at-spot s dock) (lies book shop)')
+
+    assert shown(follow(episode, state_of(late), known, task=late)) == 'drda'
+    assert shown(follow(episode, state_of(later), known, task=later)) == 'dada'
+
+
 RANDOM_DOMAIN = """
 (define (domain random) (:requirements :adl :durative-actions)
   (:predicates (p ?x) (q ?x) (idle ?x))
