@@ -125,7 +125,7 @@ def test_where_there_are_few_states_they_are_looked_at_first() -> None:
 
 def test_what_suited_one_goal_is_tried_first_and_for_long_enough_at_the_next() -> None:
     portfolio = Portfolio(PLAIN)
-    portfolio.learn(PLAIN[1], 0.3)
+    portfolio.learn(PLAIN[1], 0.3, hard=True)
     first = portfolio.next_try(1e9, {}, 10.0)
     second = portfolio.next_try(1e9, {PLAIN[1]: 0.6}, 9.4)
 

@@ -44,11 +44,15 @@ class Try:
 
 
 class Portfolio:
-    """The searches for the goals of one task. What suited one goal is tried first on the next."""
+    """The searches for the goals of one task. What suited one goal is tried first on the next.
+
+    `hard` says that the last goal was not done with the first try.
+    """
 
     def __init__(self, members: Sequence[str]) -> None:
         self.members = list(members)
         self._enough: dict[str, float] = {}
+        self.hard = False
 
     def next_try(self, states: float, tried: Mapping[str, float], left: float) -> Try | None:
         """Return what to try next on a task with at most so many states, None when all is over.
@@ -69,7 +73,8 @@ class Portfolio:
         shortest = min(order, key=limits.__getitem__)
         return Try(shortest, min(limits[shortest], left))
 
-    def learn(self, configuration: str, seconds: float) -> None:
-        """Take note that a search came to its end in so many seconds."""
+    def learn(self, configuration: str, seconds: float, hard: bool) -> None:
+        """Take note that a search came to its end in so many seconds, maybe after others."""
+        self.hard = hard
         self._enough[configuration] = max(seconds, self._enough.get(configuration, 0.0))
         self.members.sort(key=lambda member: member != configuration)

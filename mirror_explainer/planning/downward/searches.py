@@ -50,7 +50,7 @@ class _Job:
     def next_try(self) -> bool:
         """Decide on the next search, and say whether there is one."""
         if self.input is not None:
-            if self.tried and self.input.thorough:
+            if self.input.thorough and (self.tried or self.input.portfolio.hard):
                 self.input = self.input.thorough()
             portfolio, states = self.input.portfolio, self.input.states
             self.now = portfolio.next_try(states, self.tried, self.left)
@@ -200,7 +200,7 @@ class Searches:
         self._count(outcome)
         assert job.input and job.now, 'it was tried'
         if outcome.status is not Status.UNKNOWN:
-            job.input.portfolio.learn(job.now.configuration, outcome.seconds)
+            job.input.portfolio.learn(job.now.configuration, outcome.seconds, hard=bool(job.tried))
             self._settle(job, Finding(plan))
         elif outcome.crashed and not job.crashed:
             job.crashed = True
