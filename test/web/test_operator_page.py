@@ -87,8 +87,15 @@ def operator(chromium, shared: Stack) -> Iterator[Page]:
     shared.peer.set_parameters(n=3, strategy='informative', remember=False)
     with person(chromium) as page:
         page.goto(shared.page.url)
-        expect(page.locator('#status')).to_have_text(re.compile('Ready|New plan'))
+        expect(page.locator('#status')).to_have_text(re.compile('Ready|New plan|No answer'))
         yield page
+
+
+OTHER_WAY = """
+(move left center) (move center doors) (move doors red_room) (grab red_circle red_room)
+(move red_room doors) (move doors blue_room) (grab blue_cube blue_room) (move blue_room doors)
+(move doors right) (exit bottom_door right)
+""".replace(') (', ')\n(')
 
 
 def button(page: Page) -> Locator:
@@ -212,11 +219,15 @@ def test_after_a_replan_the_answer_is_called_old_until_the_robot_is_asked_again(
     press(operator)
     expect(operator.locator('#said .old')).to_have_count(0)
     shared.peer.publish('plan', PLAN.replace('(move left center)', '(move LEFT center) ; again'))
+    shared.peer.answer()
+    expect(operator.locator('#said .old')).to_have_count(0)  # of the same plan
+    shared.peer.publish('plan', OTHER_WAY)
     expect(operator.locator('#said .old')).to_have_count(1)
     assert violations(operator) == []
     press(operator)
     expect(operator.locator('#said .old')).to_have_count(0)
     shared.peer.publish('plan', PLAN)
+    shared.peer.answer()  # which tells that it is another plan again
 
 
 def test_a_bad_message_is_told_in_words_and_a_good_one_heals_it(operator, shared):
@@ -341,7 +352,9 @@ def test_without_scripts_the_button_works_too(chromium, shared):
         expect(answer(page).first).to_be_visible()
 
 
-def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator, shared, tmp_path):
+def test_steps_are_ticked_off_as_the_robot_does_them_and_the_answer_stays(
+    operator, shared, tmp_path
+):
     problem = PROBLEM.replace('(robot-at left)', '(robot-at red_room)')
     files = {
         'problem_file': problem.replace('(item-at blue_cube blue_room)', '(holding blue_cube)'),
@@ -356,7 +369,7 @@ def test_the_page_asks_by_itself_whenever_the_robot_has_done_something(operator,
     press(operator)
     expect(answer(operator)).to_have_text(SENTENCES)
     with shared.robot(step_period=0.5, **{name: tmp_path / name for name in files}):
-        expect(operator.locator('#said')).to_contain_text('I am done.')
+        expect(operator.locator('#timeline li.done')).to_have_count(10)
     expect(operator.locator('#said .old')).to_have_count(0)
     shared.peer.publish_warehouse()
     shared.peer.answer()

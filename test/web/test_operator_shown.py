@@ -97,14 +97,17 @@ def test_without_news_it_is_not_claimed_that_the_answer_is_the_newest(heard: Hea
 
 def test_a_step_that_is_done_makes_no_answer_old_but_another_episode_does(heard: Heard) -> None:
     about = heard.with_answer(answer(episode={'number': 4, 'reason': 'first'}), '12:00:00')
-    ticked = replace(about, status=replace(READY, inputs='b', episode='4'))
-    replanned = replace(about, status=replace(READY, inputs='c', episode='5'))
+    ticked = replace(about, status=replace(READY, inputs='b', episode=4, done=1, running=1))
+    replanned = replace(about, status=replace(READY, inputs='c', episode=5))
 
     assert (status(ticked).kind, said(ticked).old, asks(ticked, follow=True)) == (
         'ready',
         False,
         '',
     )
+    ticks = timeline(ticked)
+    assert ticks is not None
+    assert [mark.status for mark in ticks.marks] == ['done', 'running']
     assert (status(replanned).kind, said(replanned).old) == ('old', True)
     assert asks(replanned, follow=True) == '5'
 
@@ -328,6 +331,11 @@ def test_a_status_is_read_by_the_keys_of_the_diagnostics() -> None:
     values = {'state': 'error', 'inputs': 'b', 'what to do': 'Correct it.', 'workers': '2'}
     assert Status.of(2, BAD_PLAN.message, values) == BAD_PLAN
     assert Status.of(0, 'ready', {'what to do': 'nothing'}) == Status(0, 'ready')
+    moving = {'episode': '12, new task', 'progress': '3 done, 1 running, 8 ahead'}
+    answered = Status.of(0, 'ready', {**moving, 'calls answered': '2'})
+    assert (answered.episode, answered.done, answered.running) == (12, 3, 1)
+    # Its numbers begin anew with it: they are not those of an answer that was heard before.
+    assert Status.of(0, 'ready', {**moving, 'calls answered': '0'}).episode == 0
 
 
 def test_settings_are_read_in_the_order_of_their_names() -> None:

@@ -1,5 +1,6 @@
 """What the operator's page has heard of an explainer: values only, no ROS and no HTTP."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
@@ -110,8 +111,10 @@ def read_answer(text: str, source: str) -> Answer:
 class Status:
     """The newest of the explainer's diagnostics; `level` is that of a DiagnosticStatus.
 
-    `state`, `inputs` and `episode` are the values of these keys, and `cure` that of
-    `what to do`, '' where there are none.
+    `state` and `inputs` are the values of these keys, and `cure` that of `what to do`, ''
+    where there are none. `episode` is the number of the task that the robot has now, 0 for an
+    explainer that tells none, or has not answered yet: its numbers are not those of an answer
+    that was heard. Of the task's plan `done` steps are done, and `running` go on.
     """
 
     level: int
@@ -119,24 +122,35 @@ class Status:
     state: str = ''
     inputs: str = ''
     cure: str = ''
-    episode: str = ''
+    episode: int = 0
+    done: int = 0
+    running: int = 0
 
     @classmethod
     def of(cls, level: int, message: str, values: Mapping[str, str]) -> 'Status':
         """Return the status that a message with these values tells."""
         cure = values.get('what to do', 'nothing')
+        answers = values.get('calls answered', '0') != '0'
         return cls(
             level,
             message,
             values.get('state', ''),
             values.get('inputs', ''),
             '' if cure == 'nothing' else cure,
-            values.get('episode', ''),
+            _number(r'\d+', values.get('episode')) if answers else 0,
+            _number(r'\d+(?= done)', values.get('progress')),
+            _number(r'\d+(?= running)', values.get('progress')),
         )
 
     def task(self) -> str:
         """Return what stands for the robot's present task: the episode, or else the inputs."""
-        return self.episode or self.inputs
+        return str(self.episode) if self.episode else self.inputs
+
+
+def _number(pattern: str, text: str | None) -> int:
+    """Return the first number of a text that is like this, 0 where there is none."""
+    found = re.search(pattern, text or '')
+    return int(found[0]) if found else 0
 
 
 @dataclass(frozen=True)
@@ -204,7 +218,7 @@ class Heard:
         if self.answer is None or self.status is None:
             return False
         if self.status.episode and self.answer.episode:
-            return self.status.episode == str(self.answer.episode.number)
+            return self.status.episode == self.answer.episode.number
         return self.status.inputs == self.answer.inputs
 
     def with_answer(self, answer: Answer, at: str) -> 'Heard':

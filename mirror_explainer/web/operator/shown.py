@@ -173,16 +173,24 @@ class Timeline:
 
 
 def timeline(heard: Heard) -> Timeline | None:
-    """Return the plan as a timeline; None where there is none."""
+    """Return the plan as a timeline; None where there is none.
+
+    What was done since the answer is ticked off as the explainer tells of it.
+    """
     answer = heard.answer
     if answer is None or not answer.plan:
         return None
-    return Timeline(
-        tuple(
-            Mark(i, step.sentence, step.position in answer.positions, step.status)
-            for i, step in enumerate(answer.plan, start=1)
-        )
-    )
+    told = heard.status if heard.is_current else None
+    done, running = (told.done, told.running) if told and told.episode else (0, 0)
+    marks = []
+    for i, step in enumerate(answer.plan):
+        status = step.status
+        if i < done:
+            status = 'done'
+        elif i < done + running:
+            status = 'running'
+        marks.append(Mark(i + 1, step.sentence, step.position in answer.positions, status))
+    return Timeline(tuple(marks))
 
 
 @dataclass(frozen=True)
