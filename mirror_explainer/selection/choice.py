@@ -66,7 +66,10 @@ def most_informative(
     largest = max((selection.information_gain for selection in best), default=0.0)
     if not first and largest <= max(evidence.min_gain or 0.0, TIE):
         return Selection((), 0.0)
-    return _without_fillers(best, evidence.min_gain)
+    chosen = _without_fillers(best, evidence.min_gain)
+    if first and n and not chosen.positions:  # a robot whose steps bring nothing about
+        return _best_of_any(evidence, 1, _end(budget))
+    return chosen
 
 
 def _without_fillers(best: Sequence[Selection], min_gain: float | None) -> Selection:
@@ -161,12 +164,14 @@ def best_of_each(
 def _best(evidence: Evidence, size: int, end: float) -> Selection:
     """The best selection of exactly `size` sentences, or a good one and its gap.
 
-    A means is said when nothing is left to say of the goal: where the best has one and leaves
-    an end that tells more of it, the best of ends alone is taken.
+    A means is said when nothing is left to say of the goal, and only for a surprise: where
+    the best has one otherwise, the best of ends alone is taken.
     """
     best = _best_of_any(evidence, size, end)
     columns = [c for c, places in enumerate(evidence.places) if places[-1] in best.positions]
-    if evidence.means.isdisjoint(columns) or not evidence.leaves_an_end(columns):
+    if evidence.means.isdisjoint(columns):
+        return best
+    if evidence.has_surprises and not evidence.leaves_an_end(columns):
         return best
     ends = evidence.of_ends()
     return _best_of_any(ends, min(size, len(ends.places)), end)

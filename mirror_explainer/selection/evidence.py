@@ -10,6 +10,7 @@ Floats = NDArray[np.float64]
 
 # Of the facts, less than this counts as not known at all (method, section 2).
 LEAST_FACTS = 0.01
+_SURPRISE = 0.5 + 1e-9
 # Which share of the hypotheses a column of Evidence.weight holds.
 ALL, GOAL, FORESEEN, BELIEF = range(4)
 
@@ -77,6 +78,16 @@ class Evidence:
         """D once the sentences of these columns are said."""
         fit = self.ratio[:, list(columns)].prod(axis=1)
         return float(self.doubt.of(fit @ self.weight, self.robot))
+
+    @property
+    def has_surprises(self) -> bool:
+        """Whether a means may tell something worth knowing.
+
+        That is of the facts, where those that are true are no more likely than not to who
+        foresees the robot's ways; or of the way, for whoever asks for that.
+        """
+        masses = self.weight.sum(axis=0)
+        return bool(self.doubt.way > 0 or masses[BELIEF] <= _SURPRISE * masses[FORESEEN])
 
     def leaves_an_end(self, columns: Sequence[int]) -> bool:
         """Whether there is an end besides these columns that would tell more of the goal."""

@@ -353,14 +353,29 @@ class Definitions:
         return set(self.told) - set().union(*(self.ends(goal) for goal in self.open))
 
     def _spoils(self, positions: list[int], heard: Sequence[str]) -> bool:
-        """Whether a means is said while an end is left that tells more of the goal."""
+        """Whether a means is said for no surprise, or an end is left that tells more."""
         spoken = {*heard, *(self.sentences[i] for i in positions)}
         if self.listener.kind == 'planner' or not self._means() & (spoken - set(heard)):
             return False
+        own = [(w, m) for w, m in zip(self.ways, self.left(heard), strict=True) if w.goal == 0]
+        foreseen = sum(m for w, m in own if w.fact is not None)
+        belief = sum(m for w, m in own if w.fact is self.robot.beliefs[0][1])
+        if self.listener.interest_in_way == 0 and belief / foreseen > 0.5 + 1e-9:
+            return True
         now = self.goal_posterior(sorted(spoken))[0]
         rest = set(self.told) - self._means() - spoken
         least = self.listener.min_gain or 0.0
         return any(math.log(self.goal_posterior([*spoken, end])[0] / now) > least for end in rest)
+
+    def _single_best(
+        self, left: Sequence[str], last: dict[str, int], before: float
+    ) -> tuple[list[int], float]:
+        gains = [(before - self.doubt([s]), [last[s]]) for s in left]
+        most = max(gain for gain, _ in gains)
+        gain, positions = max(
+            (item for item in gains if item[0] >= most - 1e-9), key=lambda item: item[1]
+        )
+        return positions, gain
 
     def answer(self, n: int, heard: Sequence[str] = ()) -> tuple[list[int], float]:
         """The positions said, and their gain, by looking at every set of sentences."""
@@ -395,6 +410,8 @@ class Definitions:
         largest = max(gain for gain, _ in best)
         margin = self.listener.min_gain or 0.0
         gain, positions = next(b for b in best if b[0] >= largest - margin - 1e-9)
+        if not heard and not positions:
+            return self._single_best(left, last, before)
         if heard and largest <= max(margin, 1e-9):
             return [], 0.0
         return positions, gain
