@@ -302,7 +302,7 @@ def test_a_missing_extra_is_named_with_the_way_to_install_it(dataset, monkeypatc
 
     assert capsys.readouterr().err == (
         'pucrs_benchmark: the experiments need pandas, of the extra [experiments]: '
-        'pip install matplotlib pandas scipy tabulate tqdm\n'
+        'pip install matplotlib pandas rich scipy tabulate tqdm\n'
     )
 
 

@@ -464,6 +464,24 @@ def test_a_run_is_repeated_exactly(run, tmp_path):
         assert (tmp_path / file.name).read_bytes() == file.read_bytes(), file.name
 
 
+def test_words_for_each_listener_are_heard_by_the_same_people(tmp_path):
+    few = ['--studies', '1', '--scenarios', '3', '--participants', '2']
+    assert main(['speakers', *few, '--output', str(tmp_path)]) == 0
+
+    answers = pd.read_csv(tmp_path / 'speaker_answers.csv')
+    table = pd.read_csv(tmp_path / 'speakers.csv')
+
+    people = answers.groupby('speaker')['participant'].agg(set)
+    assert people['open'] == people['planner']
+    assert len(people['open']) == 2 * len(KINDS)
+    assert (table['more'] - (table['open'] - table['planner'])).abs().max() < 1e-5
+    end = table[table['percent'] == 100]  # all is said, whoever chose the words
+    assert end['more'].tolist() == pytest.approx([0.0] * len(KINDS))
+    assert (
+        'user_study speakers --studies 1 --scenarios 3' in (tmp_path / 'speakers.md').read_text()
+    )
+
+
 def test_scenarios_left_out_are_named_in_the_report(planned, tmp_path):
     rows = assignment(3, 2, 0)
     table = answer_table(simulate(planned, 'same', rows, Noise(), seed=0))
@@ -521,6 +539,6 @@ def test_without_pandas_the_command_says_what_to_install(monkeypatch, capsys, tm
 
     assert main(['simulate', '--output', str(tmp_path / 'results')]) == 2
     said = capsys.readouterr().err
-    assert 'pip install matplotlib pandas scipy tabulate tqdm' in said
+    assert 'pip install matplotlib pandas rich scipy tabulate tqdm' in said
     assert '[experiments]' in said
     assert not Path(tmp_path / 'results').exists()
