@@ -7,7 +7,7 @@ from mirror_explainer.pddl.happenings import Happening, ground
 from mirror_explainer.pddl.plan_check import tried
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.progress import Progress, StepStatus
-from mirror_explainer.pddl.states import Evaluator, State
+from mirror_explainer.pddl.states import ConflictError, Evaluator, State, UnknownNumberError
 from mirror_explainer.pddl.task import Task
 
 
@@ -128,10 +128,14 @@ def _out_of_step(
             )
             if not is_next or cut | {k} in cuts:
                 continue
-            if not step.lacking(step.conditions(happening), there, evaluator):
+            try:
+                if step.lacking(step.conditions(happening), there, evaluator):
+                    continue
                 changes = evaluator.changes(step.effects(happening), there, step.binding)
-                cuts[cut | {k}] = there.after(changes)
-                waiting.append(cut | {k})
+            except (ConflictError, UnknownNumberError):
+                continue
+            cuts[cut | {k}] = there.after(changes)
+            waiting.append(cut | {k})
     return best if is_found else None
 
 

@@ -12,7 +12,13 @@ import unified_planning.model as up
 from mirror_explainer.pddl.atoms import conjuncts, effects_in, words_of
 from mirror_explainer.pddl.durative.overlap import as_literal
 from mirror_explainer.pddl.happenings import GroundStep, Happening
-from mirror_explainer.pddl.states import Binding, ConflictError, Evaluator, State
+from mirror_explainer.pddl.states import (
+    Binding,
+    ConflictError,
+    Evaluator,
+    State,
+    UnknownNumberError,
+)
 
 
 def taken_back(
@@ -36,7 +42,7 @@ def taken_back(
                 [e for e in effects if e.fluent.fluent().type.is_bool_type()], state, step.binding
             )
             numbers = dict(_numbers_before(effects, state, step.binding, evaluator))
-        except (ConflictError, ValueError):
+        except (ConflictError, UnknownNumberError, ValueError):
             return None
         if any(evaluator.value_of(atom, state) != value for atom, value in changes.items()):
             return None
