@@ -4,7 +4,6 @@ All that a condition names and the task does not have is collected, so that
 one error can tell it all.
 """
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,14 +14,14 @@ import unified_planning.model as up
 
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl.text.declarations import OBJECT, Kinds, typed_names
+from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, expression
 
-__all__ = ['Expressions', 'as_text', 'nested_words', 'number']
+__all__ = ['Expressions', 'as_text', 'nested_words']
 
 # What a variable's name stands for: something a quantifier or an action's parameters declare.
 Bound = Mapping[str, 'up.Variable | up.Parameter']
 
-_NUMBER = re.compile(r'[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d{1,3})?', re.IGNORECASE)
 COMPARISONS = ('=', '<', '<=', '>', '>=')
 
 
@@ -240,11 +239,6 @@ class Expressions:
         line = tree.line if isinstance(tree, Word | Branch) else None
         self._faults.append(_Fault(reason + did_you_mean(name, names), line))
         return self._manager.TRUE()
-
-
-def number(text: str) -> Fraction | None:
-    """Return the number that a word is, None if it is none."""
-    return Fraction(text) if _NUMBER.fullmatch(text) else None
 
 
 def nested_words(text: str, source: str) -> Any:

@@ -19,10 +19,11 @@ from unified_planning.model.metrics import (
 )
 
 from mirror_explainer.errors import InputError, did_you_mean
-from mirror_explainer.pddl.expressions import Bound, Expressions, number
+from mirror_explainer.pddl.expressions import Bound, Expressions
 from mirror_explainer.pddl.text.actions import Action, Effect, effects, timed_conditions
 from mirror_explainer.pddl.text.declarations import Declarations, Declared
 from mirror_explainer.pddl.text.definition import Definition
+from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, word
 
 TOTAL_COST = 'total-cost'

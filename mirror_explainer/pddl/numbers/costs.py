@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.pddl.expressions import number
 from mirror_explainer.pddl.model import TOTAL_COST, duration_bounds
 from mirror_explainer.pddl.numbers.arithmetic import (
     CHANGES,
@@ -23,6 +22,7 @@ from mirror_explainer.pddl.text.actions import Action, Effect, effects
 from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
 from mirror_explainer.pddl.text.left_out import CHANGING_DURATIONS, METRIC, LeftOut
+from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, made, word
 
 TOTAL_TIME = 'total-time'

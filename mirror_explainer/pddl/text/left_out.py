@@ -5,9 +5,9 @@ Refused is what is wrong, not what is merely more than an explanation needs.
 
 from dataclasses import dataclass, field
 
-from mirror_explainer.pddl.expressions import number
 from mirror_explainer.pddl.text.declarations import Declarations
 from mirror_explainer.pddl.text.definition import Definition
+from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, branches, has_word, word
 
 _FOLLOWS = 'a belief for which no plan is found then counts as unforeseen, not as impossible'
