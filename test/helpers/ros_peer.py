@@ -94,10 +94,10 @@ class Peer:
 
     def publish_warehouse(self, thing: str = '', **how: bool) -> None:
         """Publish domain, problem and plan; with another unused thing about they are new ones."""
+        problem = PROBLEM.replace(' blue_cube', f' {thing} blue_cube', 1) if thing else PROBLEM
         self.publish('domain', DOMAIN, **how)
-        problem = PROBLEM.replace('red_cube blue_cube', f'red_cube {thing} blue_cube')
         self.publish('problem', problem, **how)
-        self.publish('plan', f'{PLAN}; {thing}', **how)
+        self.publish('plan', f'{PLAN}; {thing}' if thing else PLAN, **how)
 
     def start_call(self, service: str = 'verbalize_plan') -> 'Call':
         if service not in self._clients:
