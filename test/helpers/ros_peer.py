@@ -92,12 +92,12 @@ class Peer:
         for publisher in self._publishers.values():
             assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
 
-    def publish_warehouse(self, thing: str = '', **how: bool) -> None:
-        """Publish domain, problem and plan; with another unused thing about they are new ones."""
-        problem = PROBLEM.replace(' blue_cube', f' {thing} blue_cube', 1) if thing else PROBLEM
-        self.publish('domain', DOMAIN, **how)
-        self.publish('problem', problem, **how)
-        self.publish('plan', f'{PLAN}; {thing}' if thing else PLAN, **how)
+    def publish_warehouse(self, unused: str = '', **how: bool) -> None:
+        """Publish domain, problem and plan; with an unused fact all is planned for anew."""
+        domain = DOMAIN.replace('(charged)', f'(charged) ({unused})', 1) if unused else DOMAIN
+        self.publish('domain', domain, **how)
+        self.publish('problem', PROBLEM, **how)
+        self.publish('plan', PLAN, **how)
 
     def start_call(self, service: str = 'verbalize_plan') -> 'Call':
         if service not in self._clients:

@@ -69,12 +69,12 @@ def test_a_disk_that_fills_up_keeps_nobody_from_an_answer(
         peer.publish('plan', 'nonsense')
         failure = peer.failure('nonsense')
         kill_planning_processes(node)
-        peer.publish_warehouse('another_cube')
+        peer.publish_warehouse('another')
         answer = peer.answer()
     fault_table.add('disk full: temporary files, log', 'the answer', 'OK', None)
 
     assert failure
-    assert answer == THREE_SENTENCES
+    assert answer.endswith(THREE_SENTENCES)
 
 
 def test_a_temporary_folder_that_is_gone_is_told_when_a_process_has_to_be_started(
@@ -89,7 +89,7 @@ def test_a_temporary_folder_that_is_gone_is_told_when_a_process_has_to_be_starte
         def inject() -> None:
             shutil.rmtree(folder)
             kill_planning_processes(node)
-            peer.publish_warehouse('another_cube')
+            peer.publish_warehouse('another')
 
         _, answer = injected(
             fault_table,
@@ -100,7 +100,7 @@ def test_a_temporary_folder_that_is_gone_is_told_when_a_process_has_to_be_starte
             folder.mkdir,
         )
 
-    assert answer == THREE_SENTENCES
+    assert answer.endswith(THREE_SENTENCES)
 
 
 @needs_disk
@@ -120,5 +120,5 @@ def test_the_node_starts_on_a_full_disk_without_a_log_file(
         log = node.log
     fault_table.add('disk full at the start', 'the answer', 'OK; no log file', None)
 
-    assert answer == THREE_SENTENCES
+    assert answer.endswith(THREE_SENTENCES)
     assert 'there is no log file' in log

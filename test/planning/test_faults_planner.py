@@ -96,7 +96,7 @@ def peer(program: Program, ros: None) -> Iterator[Peer]:
     peer = Peer(new_namespace())
     with explainer(peer, program.path.parent, downward_binary=program.path, deadline=DEADLINE):
         peer.publish_warehouse()
-        assert peer.answer() == THREE_SENTENCES
+        assert peer.answer().endswith(THREE_SENTENCES)
         yield peer
     peer.close()
 
@@ -130,7 +130,7 @@ def test_no_answer_comes_from_a_broken_planner_and_good_ones_do_once_it_works(
     )
 
     assert failure.startswith(HEARD[what])
-    assert answer == THREE_SENTENCES
+    assert answer.endswith(THREE_SENTENCES)
 
 
 @pytest.mark.parametrize('what', FINDS_NOTHING)
@@ -161,8 +161,8 @@ def test_where_planning_finds_nothing_in_time_the_answer_is_made_without_and_tha
     )
 
     assert level == 'WARN'
-    assert without == THREE_SENTENCES
-    assert peer.answer() == THREE_SENTENCES
+    assert without.endswith(THREE_SENTENCES)
+    assert peer.answer().endswith(THREE_SENTENCES)
 
 
 def delete(path: Path) -> None:
@@ -191,7 +191,7 @@ def test_a_planner_that_is_gone_is_told_and_is_found_when_it_is_back(
     )
 
     assert 'does not start' in failure or 'there is no program at' in failure
-    assert answer == THREE_SENTENCES
+    assert answer.endswith(THREE_SENTENCES)
 
 
 def test_a_broken_planner_is_not_asked_again_by_every_call(peer: Peer, program: Program) -> None:
@@ -208,7 +208,7 @@ def test_a_broken_planner_is_not_asked_again_by_every_call(peer: Peer, program: 
 
     # An attempt ends after some ten searches, and another one may begin a second later.
     assert again <= 20 * (1 + took)
-    assert peer.answer() == THREE_SENTENCES
+    assert peer.answer().endswith(THREE_SENTENCES)
 
 
 def test_a_program_that_is_not_installed_is_found_once_it_is(
@@ -230,7 +230,7 @@ def test_a_program_that_is_not_installed_is_found_once_it_is(
         )
     peer.close()
 
-    assert answer == THREE_SENTENCES
+    assert answer.endswith(THREE_SENTENCES)
 
 
 def searches(node: Process) -> set[int]:
@@ -248,7 +248,9 @@ def test_killed_searches_and_workers_are_replaced_and_no_wrong_answer_comes(
 ) -> None:
     user_model = tmp_path / 'tiles.yaml'
     user_model.write_text(sliding_tiles.USER_MODEL)
-    hard, easy = (sliding_tiles.scrambled(moves) for moves in (200, 3))
+    hard, easy = sliding_tiles.scrambled(200), sliding_tiles.scrambled(3, seed=1)
+    # Each is another plan than the one before.
+    right = {'I have changed my plan.', *sliding_tiles.sentences(easy[1])}
     peer = Peer(new_namespace())
     with explainer(
         peer, tmp_path, user_model_file=user_model, planning_timeout=600.0, deadline=600.0
@@ -287,7 +289,7 @@ def test_killed_searches_and_workers_are_replaced_and_no_wrong_answer_comes(
                 message,
                 lambda: publish(*easy),
             )
-            assert set(answer.split('\n')) <= set(sliding_tiles.sentences(easy[1]))
+            assert set(answer.split('\n')) <= right
         kill_all(lambda: node.session_leaders(), 'an idle planning process')
         killed = time.monotonic()
         publish(easy[0] + '; again', easy[1])
@@ -297,4 +299,4 @@ def test_killed_searches_and_workers_are_replaced_and_no_wrong_answer_comes(
         )
     peer.close()
 
-    assert again == answer
+    assert set(again.split('\n')) <= right
