@@ -478,8 +478,8 @@ def test_an_action_with_several_ways_to_apply_is_one_action(planner: Planner) ->
 
 def test_an_action_that_is_done_very_often_is_counted_right() -> None:
     # As numbers of ten bits, 1100 steps would be one jump and 1100 - 2¹⁰ = 76 steps.
-    steps = [Operator('(step)', ((0, n),), ((0, n + 1),), 1, '') for n in range(1100)]
-    jump = Operator('(jump)', ((0, 0),), ((0, 1024),), 1024, '')
+    steps = [Operator('(step)', ((0, n),), ((0, n + 1),), 1) for n in range(1100)]
+    jump = Operator('(jump)', ((0, 0),), ((0, 1024),), 1024)
     walked, jumped = ('(step)',) * 1100, ('(jump)', *('(step)',) * 76)
 
     found = optimal_plans([*steps, jump], (0,), [(0, 1100)], walked, 10)
@@ -498,9 +498,9 @@ def test_equal_actions_in_another_order_are_one_plan(planner: Planner) -> None:
 
 
 def test_operators_are_apart_unless_one_changes_what_another_reads_or_changes() -> None:
-    reads_only_what_stays = Operator('(a)', ((9, 0), (0, 0)), ((0, 1),), 1, '')
-    reads_it_too = Operator('(b)', ((9, 0),), ((1, 1),), 1, '')
-    reads_what_b_changes = Operator('(c)', ((1, 1),), ((2, 1),), 1, '')
+    reads_only_what_stays = Operator('(a)', ((9, 0), (0, 0)), ((0, 1),), 1)
+    reads_it_too = Operator('(b)', ((9, 0),), ((1, 1),), 1)
+    reads_what_b_changes = Operator('(c)', ((1, 1),), ((2, 1),), 1)
 
     parts = independent_parts([reads_only_what_stays, reads_it_too, reads_what_b_changes])
 
