@@ -59,13 +59,7 @@ def _draft(options: argparse.Namespace) -> tuple[str, str]:
     for path in options.goals_seen:
         seen.update(read_goals_seen(path))
     settings = settings_from(PlanningSettings, options)
-    with Planner(
-        settings.planner,
-        workers=settings.workers,
-        planning_timeout=settings.planning_timeout,
-        memory_limit=settings.planner_memory_limit,
-        downward_binary=settings.downward_binary,
-    ) as planner:
+    with Planner.of(settings) as planner:
         plan = _robot_plan(task, options.plan, planner, settings)
         found = candidates(world, own, seen)
         goals = [own, *_examples(world, found, own, seen)]

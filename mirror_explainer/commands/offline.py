@@ -92,13 +92,7 @@ def prepare_files(
             situation = situation.telling(read_text(str(files.progress)), str(files.progress))
     user_model = read_user_model(files.user_model, task)
     read = time.perf_counter() - started
-    with Planner(
-        settings.planner,
-        workers=settings.workers,
-        planning_timeout=settings.planning_timeout,
-        memory_limit=settings.planner_memory_limit,
-        downward_binary=settings.downward_binary,
-    ) as planner:
+    with Planner.of(settings) as planner:
         own = robot_plan_of(situation) if situation else None
         own = own or _own_plan(task, user_model, planner, settings)
         preparation = replace(prepare(task, own, user_model, settings), situation=situation)

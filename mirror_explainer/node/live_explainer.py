@@ -133,13 +133,7 @@ class LiveExplainer:
 
     def _make_planner(self) -> Planner:
         planning = self._configuration.planning
-        return Planner(
-            planning.planner,
-            workers=planning.workers,
-            planning_timeout=planning.planning_timeout,
-            memory_limit=planning.planner_memory_limit,
-            downward_binary=planning.downward_binary,
-        )
+        return Planner.of(planning)
 
     def _on_done(self, readiness: Readiness) -> None:
         """Tell how an update ended, and make the answer that a call will want."""

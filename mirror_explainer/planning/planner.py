@@ -67,6 +67,17 @@ class Planner:
         self._known_space: tuple[BeliefSpace, int] | None = None
         self._known: dict[Belief, BeliefPlans] = {}
 
+    @classmethod
+    def of(cls, settings: PlanningSettings) -> 'Planner':
+        """Return a planner as the settings have it."""
+        return cls(
+            settings.planner,
+            workers=settings.workers,
+            planning_timeout=settings.planning_timeout,
+            memory_limit=settings.planner_memory_limit,
+            downward_binary=settings.downward_binary,
+        )
+
     def plan(
         self,
         space: BeliefSpace,
