@@ -16,6 +16,13 @@ def _taken_for(explanation: Explanation) -> str:
     true = explanation.true_goal
     before, after = explanation.understanding_before, explanation.understanding
     likeliest = max(explanation.goals[:-1], key=lambda goal: goal['posterior'])
+    alike = sum(g['posterior'] > 0.99 * after for g in explanation.goals[:-1]) - 1
+    if alike and likeliest['posterior'] <= 1.01 * after:
+        others = f'{alike} other{"s" if alike > 1 else ""}'
+        return (
+            f'The listener cannot tell yet: "{true}" and {others} are as likely to them, '
+            f'{after:.0%} each ({before:.0%} before).'
+        )
     if likeliest['posterior'] <= after + 1e-9:
         return (
             f'The listener now takes the robot\'s goal to be "{true}" and is {after:.0%} sure '
@@ -41,10 +48,10 @@ def _left_open(explanation: Explanation) -> list[str]:
     larger.sort(key=lambda goal: -goal['posterior'])
     if larger:
         named = ', '.join(f'"{g["name"]}" ({g["posterior"]:.0%})' for g in larger[:_MOST_NAMES])
-        told.append(f'They think that it may do more: {named}.')
+        told.append(f'To the listener it may do more: {named}.')
     partial = explanation.goals[-1]['posterior']
     if partial >= _WORTH_TELLING:
-        told.append(f'Or only a part of what they have in mind ({partial:.0%}).')
+        told.append(f'Perhaps it does only a part of that, or of another goal ({partial:.0%}).')
     return told
 
 

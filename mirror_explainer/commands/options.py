@@ -11,12 +11,13 @@ from mirror_explainer.settings import Meaning, settings_of
 Kind = TypeVar('Kind')
 
 
-def whole(least: int) -> Callable[[str], int]:
-    """Return a reader of whole numbers from `least` up, for argparse."""
+def whole(least: int, most: float = math.inf) -> Callable[[str], int]:
+    """Return a reader of whole numbers from `least` to `most`, for argparse."""
+    limits = f'from {least} up' if most == math.inf else f'from {least} to {most}'
 
     def read(text: str) -> int:
-        if not text.isdecimal() or int(text) < least:
-            raise ArgumentTypeError(f'"{text}" is no whole number from {least} up')
+        if not text.isdecimal() or not least <= int(text) <= most:
+            raise ArgumentTypeError(f'"{text}" is no whole number {limits}')
         return int(text)
 
     return read
@@ -81,5 +82,5 @@ def settings_from(kind: type[Kind], options: argparse.Namespace, **given: Any) -
 
 def _reader(default: object, meaning: Meaning) -> Callable[[str], Any]:
     if isinstance(default, int):
-        return whole(int(meaning.least))
+        return whole(int(meaning.least), meaning.most)
     return number(meaning.least, meaning.most) if isinstance(default, float) else str

@@ -132,11 +132,15 @@ def _parser() -> argparse.ArgumentParser:
         epilog='Exit status: 0, or 2 for bad input.',
     )
     files = add_file_arguments(parser)
-    files.add_argument('--said', metavar='FILE', help='sentences said earlier, one a line')
+    files.add_argument(
+        '--said',
+        metavar='FILE',
+        help='sentences said earlier, one a line, as in `sentences` of --json',
+    )
     choice = parser.add_argument_group('what to say')
     choice.add_argument(
         '-n',
-        type=whole(1),
+        type=whole(1, meaning_of(Question, 'n').most),
         help=f'sentences, at most (default {Question.n}; with --threshold no limit)',
     )
     add_settings(choice, Question, 'n')

@@ -35,7 +35,7 @@ class Selection:
 
     @property
     def optimal(self) -> bool:
-        """Whether no other selection of this size or less tells more."""
+        """Whether none of this size or less that may be said tells more."""
         return self.gap == 0.0
 
 

@@ -102,7 +102,7 @@ def test_a_missing_extra_is_named_with_the_way_to_install_it(monkeypatch, capsys
 
     assert main(_arguments()) == 2
 
-    assert 'pip install matplotlib pandas scipy tabulate tqdm' in capsys.readouterr().err
+    assert 'pip install matplotlib pandas rich scipy tabulate tqdm' in capsys.readouterr().err
 
 
 def test_help_needs_no_extras(monkeypatch):

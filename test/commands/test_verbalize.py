@@ -101,8 +101,8 @@ def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(command
     sentences, summary, order, curve = done.stdout.rstrip('\n').split('\n\n')
     assert sentences.splitlines() == ['I will grab a blue cube and a red circle.']
     for said in (
-        'takes the robot\'s goal to be "red circle and blue cube, bottom door"',
-        '35% sure (3% before)',
+        'cannot tell yet: "red circle and blue cube, bottom door" and 1 other',
+        '35% each (3% before)',
         f'Left unsaid: {EXIT}',
     ):
         assert said in summary
@@ -353,9 +353,9 @@ def test_a_folder_in_place_of_a_file_is_told(verbalize, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ('option', 'value', 'said'),
     [
-        ('-n', 'x', 'argument -n: "x" is no whole number from 1 up'),
-        ('-n', '0', 'argument -n: "0" is no whole number from 1 up'),
-        ('--max-beliefs', '0', 'argument --max-beliefs: "0" is no whole number from 1 up'),
+        ('-n', 'x', 'argument -n: "x" is no whole number from 1 to 1000'),
+        ('-n', '0', 'argument -n: "0" is no whole number from 1 to 1000'),
+        ('--max-beliefs', '0', 'argument --max-beliefs: "0" is no whole number from 1 to 1000000'),
         ('--threshold', 'nan', 'argument --threshold: "nan" is no number from 0 to 1000'),
         ('--threshold', 'much', 'argument --threshold: "much" is no number from 0 to 1000'),
         ('--strategy', 'random', "argument --strategy: invalid choice: 'random'"),

@@ -97,10 +97,10 @@ def test_a_robot_that_replans_all_the_time_does_not_flood_the_log(peer, node):
 def test_the_log_level_of_the_running_node_reaches_the_planners_lines(peer, node):
     quiet = log_lines(node, '[DEBUG]')
     set_level(peer, LoggerLevel.LOG_LEVEL_DEBUG)
-    peer.publish('plan', PLAN + '; again')
+    peer.publish_warehouse('for_the_log')
     eventually(lambda: log_lines(node, '30 beliefs: '), "the planner's line")
     set_level(peer, LoggerLevel.LOG_LEVEL_INFO)
-    peer.publish('plan', PLAN)
+    peer.publish_warehouse()
     peer.answer()
 
     assert not quiet

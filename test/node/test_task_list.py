@@ -99,7 +99,7 @@ def test_a_behaviour_tree_tells_its_leaves_after_each_tick(asked):
 
     tree.tick()
 
-    assert asked.answer() == 'I will boil water.'
+    assert asked.answer() == 'I will bring the tea.'
     eventually(lambda: progress == ['running: (do drive_to_the_kitchen)'], 'the first progress')
     tree.tick()
     eventually(
@@ -115,6 +115,6 @@ def test_a_robot_that_sends_its_tasks_as_a_text_is_explained(asked, tmp_path):
     namespace = asked.node.get_namespace()
     with running('task_list_robot', namespace, tmp_path, known_tasks=known) as process:
         asked.publish('tasks', 'drive to the kitchen\nboil water\nbring the tea')
-        assert asked.answer() == 'I will boil water.'
+        assert asked.answer() == 'I will bring the tea.'
         asked.publish('tasks', 'done: !')
         eventually(lambda: 'a task needs a name' in process.log, 'what is wrong in the log')

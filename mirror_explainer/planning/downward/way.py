@@ -1,4 +1,4 @@
-"""The fast way: Fast Downward in a worker that grounds once (`downward_worker.py`).
+"""The fast way: Fast Downward in a worker that grounds once (`worker_program.py`).
 
 For the engine fast-downward-opt only. It finds the same optimal costs as the
 general way, with less work.
