@@ -374,11 +374,17 @@ def test_no_more_plans_than_asked(planner: Planner, count: int) -> None:
         assert {plan.cost for plan in result.plans} == {6.0}
 
 
-def test_another_planner_finds_the_same_plans(planner: Planner) -> None:
+def test_another_planner_finds_plans_as_good_and_the_same_one_search_at_a_time() -> None:
     space = errands(2, 2)
-    one = planner.plan(space, every_belief(space)).results
-    with Planner() as other:
-        assert other.plan(space, every_belief(space), plans_per_belief=1).results == one
+    found = []
+    for workers in (1, 1, 2):  # of two searches side by side now one is done first, now the other
+        with Planner(workers=workers) as planner:
+            found.append(planner.plan(space, every_belief(space), plans_per_belief=1).results)
+
+    assert found[0] == found[1]
+    for one, other in zip(found[0], found[2], strict=True):
+        assert one.status == other.status
+        assert [plan.cost for plan in one.plans] == [plan.cost for plan in other.plans]
 
 
 def test_results_are_kept_for_the_same_number_of_plans(planner: Planner) -> None:

@@ -400,9 +400,19 @@ def test_the_answer_of_an_explainer_that_died_is_not_passed_off_as_new(operator,
     shared.explainer = shared.start_explainer()
     expect(operator.locator('#status')).to_contain_text('Ready')
     expect(operator.locator('#said .old')).to_have_count(1)
-    press(operator)
-    expect(operator.locator('#said .old')).to_have_count(0)
+    # It may read the changed file once more after the first answer, which is old then, too.
+    eventually(lambda: asked_anew(operator), 'an answer to the newest inputs')
     expect(answer(operator)).to_have_text(SENTENCES)
+
+
+def asked_anew(page: Page) -> bool:
+    """Press the button, and say whether the page then shows an answer that is not old."""
+    press(page)
+    try:
+        expect(page.locator('#said .old')).to_have_count(0, timeout=5_000)
+    except AssertionError:
+        return False
+    return True
 
 
 def test_what_is_not_there_is_told_an_explainer_and_the_page_itself(chromium, stack):
