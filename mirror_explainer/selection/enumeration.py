@@ -20,7 +20,7 @@ _MOST_NEAR = 50
 _AT_A_TIME = 2048  # kinds, so that what is multiplied stays in a processor's cache
 # Rough costs on one core: of a product, and of one multiplication and addition in it.
 _SECONDS_A_PRODUCT = 4e-5
-_SECONDS_AN_OPERATION = 1.5e-10
+_SECONDS_AN_OPERATION = 2.4e-10
 
 
 class OutOfTime(Exception):
@@ -30,11 +30,10 @@ class OutOfTime(Exception):
 def seconds_to_enumerate(evidence: Evidence, size: int) -> float:
     """Return roughly how long it takes to look at all sets of a size."""
     kinds, sentences = evidence.ratio.shape
-    single = kinds >= _MANY_KINDS
     fitting = float((evidence.ratio[:: 1 + kinds // 256] > 0).mean()) if size > 2 else 1.0
     prefixes = math.comb(sentences, max(size - 2, 0))
     pairs = (sentences / max(size - 1, 1)) ** 2
-    operations = kinds * fitting * pairs / (2 if single else 1)
+    operations = kinds * fitting * pairs
     return float(prefixes * (_SECONDS_A_PRODUCT + _SECONDS_AN_OPERATION * operations))
 
 

@@ -67,22 +67,40 @@ def improved(evidence: Evidence, start: Sequence[int], end: float) -> tuple[int,
 
 def least_doubt(evidence: Evidence, size: int) -> float:
     """Return a bound: no set of `size` sentences leaves less doubt."""
-    ratio, weight = np.sort(evidence.ratio, axis=1), evidence.weight
-    worst = ratio[:, :size].prod(axis=1)
-    best = ratio[:, ratio.shape[1] - size :].prod(axis=1)
-    low, high = worst @ weight, best @ weight
     if evidence.doubt.whole:
-        masses = low.copy()
-        masses[ALL] = max(low[ALL], evidence.robot)
+        worst = _extreme(evidence.ratio, size, smallest=True)
+        masses = worst @ evidence.weight
+        masses[ALL] = max(masses[ALL], evidence.robot)
         return float(evidence.doubt.of(masses, evidence.robot))
-    others = worst @ (weight[:, ALL] - weight[:, GOAL])
-    foreseen = worst @ (weight[:, FORESEEN] - weight[:, BELIEF])
-    masses = np.array(
-        [high[GOAL] + others, high[GOAL], high[BELIEF] + foreseen, high[BELIEF]], dtype=float
-    )
-    goal = float(np.log(masses[ALL] / masses[GOAL]))
-    known = max(float(masses[BELIEF] / masses[FORESEEN]), LEAST_FACTS)
-    return max(0.0, goal - evidence.doubt.facts * math.log(known))
+    # A sentence that some foreseen way to the robot's goal lacks may tell of the facts; how
+    # many of these a set has bounds what is left to tell of the goal.
+    besides = evidence.weight[:, FORESEEN] - evidence.weight[:, BELIEF]
+    lost = besides @ np.maximum(1.0 - evidence.ratio, 0.0)  # at most, by each sentence
+    telling = np.flatnonzero(lost > 0)
+    rest = np.setdiff1d(np.arange(len(lost)), telling)
+    largest = np.sort(lost)[::-1]
+    bounds = []
+    for count in range(max(0, size - len(rest)), min(size, len(telling)) + 1):
+        worst = _extreme(evidence.ratio[:, telling], count, smallest=True)
+        worst = worst * _extreme(evidence.ratio[:, rest], size - count, smallest=True)
+        best = _extreme(evidence.ratio[:, telling], count, smallest=False)
+        best = best * _extreme(evidence.ratio[:, rest], size - count, smallest=False)
+        goal, belief = best @ evidence.weight[:, [GOAL, BELIEF]]
+        others = worst @ (evidence.weight[:, ALL] - evidence.weight[:, GOAL])
+        left = max(float(besides.sum() - largest[:count].sum()), float(worst @ besides))
+        known = max(float(belief / (belief + left)), LEAST_FACTS)
+        bounds.append(math.log(1.0 + others / goal) - evidence.doubt.facts * math.log(known))
+    return max(0.0, min(bounds))
+
+
+def _extreme(ratio: Floats, size: int, *, smallest: bool) -> Floats:
+    """The product of each row's `size` smallest ratios, or largest ones."""
+    if size == 0:
+        return np.ones(len(ratio))
+    at = size - 1 if smallest else ratio.shape[1] - size
+    ordered = np.partition(ratio, at, axis=1)
+    some = ordered[:, :size] if smallest else ordered[:, at:]
+    return np.asarray(some.prod(axis=1))
 
 
 def _doubts_with_one_more(evidence: Evidence, fit: Floats) -> Floats:
