@@ -6,15 +6,13 @@ For whoever does not program in Python; who does may call `TaskList` from the ro
 import argparse
 from collections.abc import Sequence
 
-import rclpy
 from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
-from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 
+from mirror_explainer.demo.run import run
 from mirror_explainer.errors import InputError, told
 from mirror_explainer.node.task_list import LATCHED, TaskList, parsed_tasks
 
@@ -55,22 +53,7 @@ def main(args: Sequence[str] | None = None) -> None:
         description='Tell the explainer the tasks that are heard on the topic "tasks".',
         epilog="Parameters follow --ros-args: -p known_tasks:='[boil water, fetch the cup]'.",
     )
-    parser.parse_args(remove_ros_args(args)[1:])
-    rclpy.init(args=args)
-    node = None
-    try:
-        node = TaskListRobot()
-        while rclpy.ok():
-            # Not `spin`: a signal that comes just before it waits would not wake it.
-            rclpy.spin_once(node, timeout_sec=0.2)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except InputError as error:
-        parser.error(told(error))
-    finally:
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
+    run(TaskListRobot, parser, args)
 
 
 if __name__ == '__main__':

@@ -9,17 +9,14 @@ from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
-import rclpy
 from ament_index_python.packages import get_package_share_directory
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 
-from mirror_explainer.errors import InputError, told
+from mirror_explainer.demo.run import run
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import Step, read_plan
@@ -126,22 +123,7 @@ def main(args: Sequence[str] | None = None) -> None:
         epilog='Parameters follow --ros-args: -p step_period:=5.0, plan_once:=true, and '
         'domain_file, problem_file and plan_file for another robot than the example.',
     )
-    parser.parse_args(remove_ros_args(args)[1:])
-    rclpy.init(args=args)
-    node = None
-    try:
-        node = WarehouseRobot()
-        while rclpy.ok():
-            # Not `spin`: a signal that comes just before it waits would not wake it.
-            rclpy.spin_once(node, timeout_sec=0.2)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except InputError as error:
-        parser.error(told(error))
-    finally:
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
+    run(WarehouseRobot, parser, args)
 
 
 if __name__ == '__main__':

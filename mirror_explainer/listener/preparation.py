@@ -4,7 +4,6 @@ There is a preparation without any planning, from which a sensible answer comes 
 planning refines it (method, section 4).
 """
 
-import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -17,7 +16,7 @@ from mirror_explainer.listener.prior import Prior, belief_prior
 from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.listener.way import Way
-from mirror_explainer.listener.weighing import mirror_model
+from mirror_explainer.listener.weighing import mirror_model, planned_share
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.progress import StepStatus
 from mirror_explainer.pddl.simulation import Run, truths
@@ -87,12 +86,7 @@ class Preparation:
     @property
     def planned(self) -> float:
         """The share of P(B) that is planned for, or proved unsolvable."""
-        known = (self.results.get(belief) for belief in self.prior.beliefs)
-        masses = zip(self.prior.probabilities, known, strict=True)
-        planned = math.fsum(
-            p for p, result in masses if result and result.status is not Status.UNKNOWN
-        )
-        return min(1.0, planned / math.fsum(self.prior.goal_masses))
+        return planned_share(self.prior, self.results)
 
     def model_for(
         self, listener: Listener, stop: Callable[[], None] = lambda: None

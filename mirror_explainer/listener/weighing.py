@@ -46,14 +46,12 @@ def mirror_model(
         for belief, mass in zip(prior.beliefs, prior.probabilities, strict=True)
     ]
     robot_belief = prior.beliefs[prior.robot_belief]
-    planned = math.fsum(m for _, m, result in judged if result.status is not Status.UNKNOWN)
     unsolvable = math.fsum(
         mass
         for belief, mass, result in judged
         if result.status is Status.UNSOLVABLE and belief != robot_belief
     )
-    everything = math.fsum(prior.goal_masses)
-    scale = 1.0 / (everything - unsolvable)
+    scale = 1.0 / (math.fsum(prior.goal_masses) - unsolvable)
     # The mass of each goal's unforeseen ways: their μ-share, and what was not planned for.
     not_enumerated = _not_enumerated(prior)
     shares, unplanned = mu * not_enumerated, (1 - mu) * not_enumerated
@@ -87,7 +85,6 @@ def mirror_model(
             for aim, mass in zip((whole, *partial), masses, strict=True)
             if mass > 0.0
         ]
-    share = planned / everything
     cut = [result.cut for result in results.values() if result.cut]
     return MirrorModel(
         listener=listener,
@@ -99,11 +96,20 @@ def mirror_model(
         robot=robot,
         ratios=ratios.rows,
         covered=prior.covered_mass,
-        planned=1.0 if share > 1.0 - _ROUNDING else share,
+        planned=planned_share(prior, results),
         unsolvable=unsolvable,
         plans_cut=len(cut),
         cut_by_time=cut.count('time'),
     )
+
+
+def planned_share(prior: Prior, results: Mapping[Belief, BeliefPlans]) -> float:
+    """The share of P(B) that is planned for, or proved unsolvable, in [0, 1]."""
+    known = (results.get(belief, _NOT_YET).status for belief in prior.beliefs)
+    masses = zip(prior.probabilities, known, strict=True)
+    planned = math.fsum(mass for mass, status in masses if status is not Status.UNKNOWN)
+    share = planned / math.fsum(prior.goal_masses)
+    return 1.0 if share > 1.0 - _ROUNDING else share
 
 
 def _not_enumerated(prior: Prior) -> Floats:

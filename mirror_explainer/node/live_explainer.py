@@ -132,8 +132,7 @@ class LiveExplainer:
         self._updates.submit(inputs, self._configuration.node.answer_timeout)
 
     def _make_planner(self) -> Planner:
-        planning = self._configuration.planning
-        return Planner.of(planning)
+        return Planner.of(self._configuration.planning)
 
     def _on_done(self, readiness: Readiness) -> None:
         """Tell how an update ended, and make the answer that a call will want."""

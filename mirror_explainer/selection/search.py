@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mirror_explainer.selection.enumeration import TIE
 from mirror_explainer.selection.evidence import (
     ALL,
     BELIEF,
@@ -37,7 +38,7 @@ def greedy(evidence: Evidence, size: int, end: float) -> list[int]:
         if time.monotonic() > end:
             return chosen + left[: size - len(chosen)]
         doubts = _doubts_with_one_more(evidence, fit)[left]
-        best = left[int(np.flatnonzero(doubts <= doubts.min() + 1e-9)[-1])]
+        best = left[int(np.flatnonzero(doubts <= doubts.min() + TIE)[-1])]
         chosen.append(best)
         left.remove(best)
         fit = fit * evidence.ratio[:, best]
