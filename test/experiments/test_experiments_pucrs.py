@@ -357,7 +357,7 @@ def test_n_is_the_rounded_share_of_the_plan_and_at_least_one():
 def test_on_the_data_set_informative_is_never_behind(tmp_path):
     arguments = ['--output', str(tmp_path), '--domains', 'miconic', 'blocks-world']
 
-    assert main([*arguments, '--instances', '2', '--jobs', '2', '--planning-timeout', '3']) == 0
+    assert main([*arguments, '--instances', '1', '--jobs', '2', '--planning-timeout', '3']) == 0
 
     rows = pd.read_csv(tmp_path / 'pucrs.csv')
     assert set(rows['domain']) == {'miconic', 'blocks-world'}

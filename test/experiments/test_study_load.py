@@ -15,7 +15,7 @@ pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
 from browser import served  # noqa: E402
 from study_client import STUDY  # noqa: E402
 
-PEOPLE, STEPS, AT_ONCE = 200, 2, 32
+PEOPLE, STEPS, AT_ONCE = 200, 1, 32
 
 
 class Visitor:
@@ -61,7 +61,7 @@ class Visitor:
         assert int(self.field('step')) == step + 1
 
 
-@pytest.mark.timeout(600)  # some 2,000 pages, on a busy machine
+@pytest.mark.timeout(600)  # some 1,400 pages, on a busy machine
 def test_two_hundred_people_at_once_each_go_their_way_and_nobody_is_locked_out(tmp_path):
     file = tmp_path / 'study.sqlite3'
     command = [*STUDY, 'serve', '--database', str(file), '--port', '0', '--scenarios', '3']

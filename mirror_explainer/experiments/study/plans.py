@@ -115,14 +115,16 @@ def plan_scenarios(
     return planned, left_out
 
 
-def plan_scenario(scenario: Scenario, planner: Planner) -> PlannedScenario:
-    """Plan for the scenario. Raises PlanningError unless every plan is found in time."""
+def plan_scenario(
+    scenario: Scenario, planner: Planner, deadline: float = _DEADLINE
+) -> PlannedScenario:
+    """Plan for the scenario, for `deadline` s. Raises PlanningError unless every plan is found."""
     task = read_task(scenario.floor.domain, scenario.problem, problem_source=scenario.name)
     goals = [*scenario.goals, *_one_item_more(scenario)]
     space = BeliefSpace(task.domain, task.problem, tuple(g.pddl for g in goals), (CHARGED,))
     states = {True: frozenset([CHARGED]), False: frozenset[str]()}
     beliefs = [Belief(goal, facts) for goal in range(len(goals)) for facts in states.values()]
-    report = planner.plan(space, beliefs, deadline=_DEADLINE)
+    report = planner.plan(space, beliefs, deadline=deadline)
     plans = {}
     for belief, result in zip(beliefs, report.results, strict=True):
         goal = goals[belief.goal]
