@@ -7,10 +7,10 @@ from mirror_explainer.pddl.atoms import (
     ground_text,
     words_of,
 )
+from mirror_explainer.pddl.environment import forget_expressions
 from mirror_explainer.pddl.task import (
     Task,
     fluent_expression,
-    forget_expressions,
     goal_expression,
     read_task,
     require_definition,

@@ -8,7 +8,7 @@ from unified_planning.model import FNode
 
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.input_limits import InputLimits
-from mirror_explainer.pddl.atoms import atom_text
+from mirror_explainer.pddl.atoms import atom_text, condition_text
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.simulation import Failure, Run, carry_out
 from mirror_explainer.pddl.states import Evaluator, State, UnknownNumberError
@@ -76,7 +76,7 @@ def tried(
     try:
         run = carry_out(task, steps, evaluator=evaluator)
         if run.failure:
-            return run, _refusal(steps, run.failure, source)
+            return run, _refusal(steps, run.failure, run.passed[-1], source)
         missing = missing_goals(task, run.passed[-1], evaluator)
     except UnknownNumberError as error:
         raise InputError(
@@ -89,7 +89,7 @@ def tried(
     except OverflowError as error:
         raise InputError(source, 'its cost is too large a number') from error
     if missing:
-        reason = f'the plan does not reach the goal: {_conditions(missing)}'
+        reason = f'the plan does not reach the goal: {_conditions(missing, run.passed[-1])}'
         return run, InputError(source, reason, cure=_NOT_CURRENT)
     return run, None
 
@@ -137,11 +137,11 @@ def _misfit(
     return None
 
 
-def _refusal(steps: Sequence[Step], failure: Failure, source: str) -> InputError:
-    """Say which action fails first, when, and what it lacks."""
+def _refusal(steps: Sequence[Step], failure: Failure, state: State, source: str) -> InputError:
+    """Say which action fails first, when, and what it lacks in the state."""
     step = steps[failure.step]
     if failure.lacking:
-        lacks = f'{_conditions(failure.lacking)}{failure.when}'
+        lacks = f'{_conditions(failure.lacking, state)}{failure.when}'
     else:
         lacks = f'its effects contradict each other{failure.when}'
     return InputError(
@@ -152,14 +152,18 @@ def _refusal(steps: Sequence[Step], failure: Failure, source: str) -> InputError
     )
 
 
-def _conditions(conditions: Sequence[FNode]) -> str:
-    """Return "(robot-at left) does not hold" for the conditions that fail."""
-    texts = [
-        f'{atom_text(condition)} does not hold'
-        if condition.is_fluent_exp()
-        else f'{atom_text(condition.arg(0))} holds'
-        if condition.is_not() and condition.arg(0).is_fluent_exp()
-        else f'"{condition}" does not hold'
+def _conditions(conditions: Sequence[FNode], state: State) -> str:
+    """Return "(robot-at left) does not hold" for the conditions that fail in the state."""
+    return ', '.join(
+        f'{condition_text(condition.arg(0))} holds'
+        if condition.is_not()
+        else f'{condition_text(condition)} does not hold{_numbers(condition, state)}'
         for condition in conditions
-    ]
-    return ', '.join(texts)
+    )
+
+
+def _numbers(condition: FNode, state: State) -> str:
+    """Return " where (battery) is 5" for the numbers in a condition."""
+    atoms = map(atom_text, condition.environment.free_vars_extractor.get(condition))
+    known = [f'{a} is {float(state.numbers[a]):g}' for a in sorted(atoms) if a in state.numbers]
+    return f' where {" and ".join(known)}' if known else ''

@@ -5,12 +5,12 @@ unified-planning's problem, in which plans are checked, and the texts that plann
 Like unified-planning, this must be used from one thread at a time.
 """
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import unified_planning.model as up
-from unified_planning import environment
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
@@ -18,16 +18,20 @@ from mirror_explainer.pddl.atoms import atom_text, conjuncts
 from mirror_explainer.pddl.derived.axioms import Axioms, read_axioms
 from mirror_explainer.pddl.durative.at_once import at_once
 from mirror_explainer.pddl.durative.overlap import may_need_overlap
+from mirror_explainer.pddl.environment import use_task_environment
 from mirror_explainer.pddl.expressions import Expressions, nested_words
 from mirror_explainer.pddl.model import build_model
 from mirror_explainer.pddl.numbers.arithmetic import numbers_of
 from mirror_explainer.pddl.numbers.costs import with_costs
 from mirror_explainer.pddl.numbers.plannable import (
+    changed_function,
     unsteady,
+    with_dependents,
     with_fixed_durations,
     without_numbers,
 )
 from mirror_explainer.pddl.text.actions import Action, read_actions
+from mirror_explainer.pddl.text.by_itself import facts_to_come
 from mirror_explainer.pddl.text.declarations import Declarations, read_declarations
 from mirror_explainer.pddl.text.definition import Definition, read_definition, require_head
 from mirror_explainer.pddl.text.left_out import (
@@ -57,7 +61,7 @@ class Task:
     What planners for many beliefs cannot use is left out of the texts, `warnings` say
     what. If the task is `relaxed` by that, a belief without a plan may have one in truth.
     Names are in lower case everywhere; `written_objects` and `written_actions` have them as
-    the texts do.
+    the texts do. `facts_to_come` are those that come true by themselves, and count as true.
     """
 
     domain: str
@@ -71,6 +75,7 @@ class Task:
     relaxed: bool = False
     written_objects: Mapping[str, str] = field(default_factory=dict, repr=False)
     written_actions: Mapping[str, str] = field(default_factory=dict, repr=False)
+    facts_to_come: frozenset[str] = frozenset()
 
     @cached_property
     def may_need_overlap(self) -> bool:
@@ -92,16 +97,6 @@ class Task:
         return self.model.environment.expression_manager.And(self.goals)
 
 
-def forget_expressions() -> None:
-    """Let unified-planning start afresh; tasks read before can't be worked with any more.
-
-    It keeps every expression that was ever read, which a process that runs for
-    weeks can't afford. (Environments of one's own are not for use: in 1.3 its reader
-    and its engines still make parts of a problem in the default one.)
-    """
-    environment.GLOBAL_ENVIRONMENT = None
-
-
 def read_task(
     domain: str,
     problem: str,
@@ -119,6 +114,7 @@ def read_task(
     problem_read = read_definition(problem, 'problem', problem_source, limits, stop)
     if limits:
         require_few(domain_read, problem_read, limits)
+    use_task_environment()
     try:
         return _task(domain_read, problem_read, stop)
     except InputError as error:
@@ -133,6 +129,13 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     declared = read_declarations(domain, problem)
     domain, problem = without_extras(domain, problem, declared, left_out)
     actions = tuple(read_actions(domain, declared.types))
+    to_come = facts_to_come(
+        domain, problem, declared, actions, itertools.chain(*left_out.changes.values())
+    )
+    if to_come:
+        init = problem.contents(':init')
+        new = [fact for fact in to_come if fact not in init]
+        problem = problem.with_contents(':init', [*init, *new])
     written_objects = dict(declared.written)
     written_actions = {str(action.name): action.name.written for action in actions}
     domain, problem, declared, actions = with_plain_types(domain, problem, declared, actions)
@@ -142,9 +145,14 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     numbers = numbers_of(problem, declared, actions, source)
     priced = with_costs(domain, problem, actions, numbers, left_out)
     domain, problem, actions = priced.domain, priced.problem, priced.actions
-    if grown := unsteady(actions, numbers, source):
-        steady = without_numbers(domain, problem, actions, numbers, left_out, grown, UNSTEADY)
-        domain, problem, actions = steady.domain, steady.problem, steady.actions
+    moved = {
+        kind: with_dependents(map(changed_function, changes), actions, numbers, source)
+        for kind, changes in left_out.changes.items()
+    }
+    for kind, gone in {**moved, UNSTEADY: unsteady(actions, numbers, source)}.items():
+        if gone & numbers.declared.functions.keys():
+            steady = without_numbers(domain, problem, actions, numbers, left_out, gone, kind)
+            domain, problem, actions = steady.domain, steady.problem, steady.actions
     declared = replace(declared, functions=read_declarations(domain, problem).functions)
     timed = None
     if durative:
@@ -182,6 +190,7 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
         left_out.relaxed,
         written_objects,
         written_actions,
+        frozenset(map(as_text, to_come)),
     )
 
 

@@ -13,8 +13,9 @@ import unified_planning.model as up
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text
+from mirror_explainer.pddl.environment import forget_expressions
 from mirror_explainer.pddl.expressions import Expressions
-from mirror_explainer.pddl.task import Task, forget_expressions, read_task
+from mirror_explainer.pddl.task import Task, read_task
 from mirror_explainer.pddl.text.sections import section
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, parse
 from mirror_explainer.text_files import plain_text
@@ -126,7 +127,7 @@ class _Read:
         init = section(self.task.problem, ':init')
         assert init is not None and self._first is not None
         (tree,) = parse(self.task.problem[init.start : init.end], '')
-        known = {as_text(part) for part in self._first.facts.values()}
+        known = {as_text(part) for part in self._first.facts.values()} - self.task.facts_to_come
         assert isinstance(tree, Branch)
         return [part for part in tree[1:] if as_text(part) not in known]
 
@@ -182,6 +183,7 @@ class _Read:
         if id(model) not in self._kept:
             assert self._first is not None
             first = {f'({" ".join(words)})' for words in self._first.facts}
+            first -= self.task.facts_to_come
             kept = {atom: value for atom, value in values.items() if atom_text(atom) not in first}
             self._kept[id(model)] = kept
         values.clear()
@@ -193,6 +195,7 @@ class _Read:
         """Return the problem for planners in a state."""
         init = section(self.task.problem, ':init')
         assert init is not None
-        listed = '\n'.join(as_text(part) for part in (*state.facts.values(), *self._made_up))
+        parts = map(as_text, (*state.facts.values(), *self._made_up))
+        listed = '\n'.join(dict.fromkeys(parts))
         before, after = self.task.problem[: init.start], self.task.problem[init.end :]
         return f'{before}(:init {listed}){after}'

@@ -116,15 +116,19 @@ def _row(folder: Path, seconds: float, planning: float, planner: Planner) -> Row
     started = time.process_time()
     try:
         preparation = prepare(task, plan, UserModel(_goals(task)), settings)
-        explain(preparation, Question(n=2))
-        row.answer = f'{time.process_time() - started:.2f}'
+        row.said = explain(preparation, Question(n=2)).spoken.replace('\n', ' ')
+    except InputError as error:
+        row.said = f'no answer: {error}'
+        return row
+    row.answer = f'{time.process_time() - started:.2f}'
+    row.reached.add('answered')
+    try:
         preparation = refine(preparation, planner)
+    except PlanningError as error:
+        row.planned = str(error)
+    else:
         row.planned = f'{preparation.planned:.0%}'
         row.said = explain(preparation, Question(n=2)).spoken.replace('\n', ' ')
-    except (InputError, PlanningError) as error:
-        row.said = f'no answer: {error}'
-    else:
-        row.reached.add('answered')
     return row
 
 

@@ -141,13 +141,18 @@ ROWS: dict[str, Example] = {
     ),
     'timed initial literals': plain(
         {},
-        {'(full)': '(full) (at 8 (not (full)))'},
+        {'(full)': '(at 8 (full)) (at 9 (not (full)))'},
         2.0,
         'problem, line 5: what comes true by itself',
     ),
     'processes and events': plain(
-        {'(:action go': '(:process rain :parameters () :effect (full)) (:action go'},
-        {},
+        {
+            '(:action go': '(:process rain :parameters () :effect (increase (water) (* #t 2)))'
+            ' (:event fills :parameters () :precondition (>= (water) 9)'
+            ' :effect (and (full) (when (full) (not (full))))) (:action go',
+            '(and (at ?b) (full))': '(and (at ?b) (full) (> (water) 8))',
+        },
+        {'(full)': ''},
         2.0,
         'domain, line 7: what happens by itself',
     ),
@@ -185,9 +190,12 @@ TIMED_ROWS: dict[str, tuple[dict[str, str], float, str]] = {
         '',
     ),
     'continuous effects': (
-        {'(at end (wet ?b))': '(at end (wet ?b)) (increase (water) (* #t 2))'},
+        {
+            '(at start (full))': '(at start (full)) (at start (>= (water) 4))',
+            '(at start (not (at ?a)))': '(at start (not (at ?a))) (increase (water) (* #t 2))',
+        },
         7.0,
-        'domain, line 10: effects that go on all the while',
+        'domain, line 8: effects that go on all the while',
     ),
 }
 

@@ -4,7 +4,7 @@ Conditions on numbers that never change become facts, which is exact. Numbers th
 left out: conditions on them count as true.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mirror_explainer.pddl.model import TOTAL_COST, duration_bounds
@@ -176,9 +176,7 @@ class _Folder:
         variables = dict(environment)
         for names in effect.variables:
             variables |= variables_of(names)
-        if effect.change.head in CHANGES and len(effect.change) == 3:
-            target = effect.change[1]
-            name = target.head if isinstance(target, Branch) else str(target)
+        if name := changed_function(effect.change):
             if self._only is not None and name in self._only:
                 self._left_out.note(self._kind, source, effect.change)
                 return None
@@ -281,21 +279,34 @@ def unsteady(actions: Sequence[Action], numbers: Numbers, source: str) -> set[st
 
     These are multiplied with, or divided by, what changes; and what depends on them.
     """
-    found: set[str] = set()
-    growing = True
-    while growing:
-        growing = False
-        for action in actions:
-            for effect in effects(action.parts.get(':effect'), source, action.durative):
-                change = effect.change
-                if change.head not in CHANGES or len(change) != 3:
-                    continue
-                name = change[1].head if isinstance(change[1], Branch) else str(change[1])
-                multiplied = _multiplies(change[2], numbers)
-                if name not in found and (multiplied or numbers.functions(change[2]) & found):
-                    found.add(name)
-                    growing = True
+    multiplied = {name for name, value in _changes(actions, source) if _multiplies(value, numbers)}
+    return with_dependents(multiplied, actions, numbers, source)
+
+
+def with_dependents(
+    names: Iterable[str], actions: Sequence[Action], numbers: Numbers, source: str
+) -> set[str]:
+    """Return functions with those whose numbers are changed by theirs."""
+    found: set[str] = set(names)
+    changes = [(name, numbers.functions(value)) for name, value in _changes(actions, source)]
+    while more := {name for name, causes in changes if causes & found} - found:
+        found |= more
     return found
+
+
+def changed_function(change: Branch) -> str:
+    """Return the function that a change of a number is about, "" if it is about none."""
+    if change.head not in CHANGES or len(change) != 3:
+        return ''
+    return change[1].head if isinstance(change[1], Branch) else str(change[1])
+
+
+def _changes(actions: Sequence[Action], source: str) -> Iterator[tuple[str, Tree]]:
+    """Yield each function that actions change, and by what."""
+    for action in actions:
+        for effect in effects(action.parts.get(':effect'), source, action.durative):
+            if name := changed_function(effect.change):
+                yield name, effect.change[2]
 
 
 def _multiplies(tree: Tree, numbers: Numbers) -> bool:

@@ -5,6 +5,7 @@ Refused is what is wrong, not what is merely more than an explanation needs.
 
 from dataclasses import dataclass, field
 
+from mirror_explainer.pddl.text.actions import effects
 from mirror_explainer.pddl.text.declarations import Declarations
 from mirror_explainer.pddl.text.definition import Definition
 from mirror_explainer.pddl.text.numerals import number
@@ -14,10 +15,18 @@ _FOLLOWS = 'a belief for which no plan is found then counts as unforeseen, not a
 
 PREFERENCES = 'soft goals, (preference …), are left out'
 CONSTRAINTS = 'constraints on the way to the goal are left out'
-TIMED_FACTS = 'what comes true by itself at a time, (at TIME …), is left out'
-BY_ITSELF = 'what happens by itself, (:process …) and (:event …), is left out'
+TIMED_FACTS = (
+    'what comes true by itself at a time, (at TIME …), counts as true from the beginning, unless '
+    'it is wanted false somewhere'
+)
+BY_ITSELF = (
+    'what happens by itself, (:process …) and (:event …), is left out; what it makes true counts '
+    'as true from the beginning, and conditions on its numbers are left out'
+)
 TASKS = 'tasks and methods to break them down by are left out: only actions and the goal count'
-CONTINUOUS = 'effects that go on all the while (#t) are left out'
+CONTINUOUS = (
+    'effects that go on all the while (#t), and conditions on what they change, are left out'
+)
 OPEN_DURATIONS = 'durations that are left open count with the least that they can be'
 CHANGING_DURATIONS = 'durations that change as the plan runs count with what they are at first'
 DERIVED_LATER = (
@@ -49,14 +58,23 @@ _HARMLESS = frozenset([PREFERENCES, METRIC, OPEN_DURATIONS, CHANGING_DURATIONS])
 
 @dataclass
 class LeftOut:
-    """Collects what was left out: for each kind the first place."""
+    """Collects what was left out: for each kind the first place.
+
+    `changes` are those that nobody makes, such as (open ?d) or (increase (level) …), by kinds.
+    """
 
     places: dict[str, tuple[str, int]] = field(default_factory=dict)
+    changes: dict[str, list[Branch]] = field(default_factory=dict)
 
     def note(self, kind: str, source: str, place: Tree | None) -> None:
         """Remember that something of a kind was left out there."""
         if kind not in self.places:
             self.places[kind] = (source, 1 if place is None else place.line)
+
+    def note_change(self, kind: str, change: Tree) -> None:
+        """Remember a change that comes by itself."""
+        if isinstance(change, Branch):
+            self.changes.setdefault(kind, []).append(change)
 
     @property
     def relaxed(self) -> bool:
@@ -90,6 +108,9 @@ def without_extras(
             for section in definition.all(keyword):
                 if len(section) > 1:
                     left_out.note(kind, definition.source, section)
+                if kind == BY_ITSELF:
+                    for effect in effects(_effect_of(section), definition.source, False):
+                        left_out.note_change(kind, effect.change)
     gone = (':constraints', ':process', ':event', ':task', ':method', ':htn')
     domain, problem = domain.without(*gone), problem.without(*gone, ':length')
     for keyword in (':action', ':durative-action', ':derived'):
@@ -98,12 +119,27 @@ def without_extras(
     goals = [_kept(section, problem.source, left_out) for section in problem.all(':goal')]
     problem = problem.having(':goal', *goals)
     parts = problem.contents(':init')
-    timed = [part for part in parts if _is_timed(part, declared)]
+    timed = [part for part in parts if isinstance(part, Branch) and _is_timed(part, declared)]
     if timed:
         left_out.note(TIMED_FACTS, problem.source, timed[0])
+        for part in timed:
+            left_out.note_change(TIMED_FACTS, _change(part[2]))
         apart = set(map(id, timed))
         problem = problem.with_contents(':init', [p for p in parts if id(p) not in apart])
     return domain, problem
+
+
+def _effect_of(section: Branch) -> Tree | None:
+    """Return the effect of a process or an event."""
+    parts = zip(section, section[1:], strict=False)
+    return next((part for keyword, part in parts if keyword == ':effect'), None)
+
+
+def _change(fact: Tree) -> Tree:
+    """Return what is true at a time as a change to it."""
+    if isinstance(fact, Branch) and fact.head == '=':
+        return fact.like([word('assign', fact), *fact[1:]])
+    return fact
 
 
 def _kept(section: Branch, source: str, left_out: LeftOut) -> Branch:
@@ -126,6 +162,8 @@ def _without(tree: Tree, source: str, left_out: LeftOut) -> Tree:
         found = CONTINUOUS
     if found:
         left_out.note(found, source, tree)
+        if found == CONTINUOUS:
+            left_out.note_change(found, tree)
         return tree.like([_and(tree)])
     return tree.like(_without(part, source, left_out) for part in tree)
 
@@ -134,11 +172,10 @@ def _and(place: Tree) -> Word:
     return word('and', place)
 
 
-def _is_timed(part: Tree, declared: Declarations) -> bool:
+def _is_timed(part: Branch, declared: Declarations) -> bool:
     """Say whether a part of :init is a fact at a time, as in (at 5 (open door))."""
     return (
-        isinstance(part, Branch)
-        and part.head == 'at'
+        part.head == 'at'
         and len(part) == 3
         and isinstance(part[1], Word)
         and part[1] not in declared.objects

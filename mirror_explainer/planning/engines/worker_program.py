@@ -143,7 +143,6 @@ def main() -> None:
             limit_memory(message.memory_limit)
             limit_engine(None)
             pddl.forget_expressions()
-            get_environment().credits_stream = None
             try:
                 engine = Engine(message.engine, message.space)
             except InputError as error:
