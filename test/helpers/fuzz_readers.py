@@ -6,7 +6,8 @@ With real texts to begin with, and words that each format knows or should not ta
 import unicodedata
 from pathlib import Path
 
-from fuzzing import require_told_well
+from fuzzing import NOISE, damaged, require_told_well
+from hypothesis import strategies as st
 from pddl_cases import TOOLS_DOMAIN, TOOLS_PROBLEM
 from unified_planning.engines import SequentialPlanValidator, ValidationResultStatus
 from unified_planning.io import PDDLReader
@@ -117,6 +118,22 @@ YAML_WORDS = [
     *('!!int ', '!!binary ', '!!set ', '!!python/object:os.system ', '%YAML 9.9', '<<: *a'),
     *('"\\e[31m"', '"\\ud800"', '"\\0"', '{a: {b: c}}', '- ', ': ', '9' * 400),
 ]
+
+
+def damaged_pairs() -> st.SearchStrategy[tuple[str, str]]:
+    """Return domains and problems, one or both of them damaged."""
+
+    def pair(texts: tuple[str, str]) -> st.SearchStrategy[tuple[str, str]]:
+        domain, problem = texts
+        bad_domain = damaged([domain], PDDL_WORDS)
+        bad_problem = damaged([problem], PDDL_WORDS) | NOISE
+        return (
+            st.tuples(bad_domain, st.just(problem))
+            | st.tuples(st.just(domain), bad_problem)
+            | st.tuples(bad_domain, bad_problem)
+        )
+
+    return st.sampled_from(PAIRS).flatmap(pair)
 
 
 def try_plan(task: Task, text: str) -> bool:

@@ -476,7 +476,7 @@ LEFT_OUT = {
             '(at end (battery_full ?r))',
             '(and (at end (battery_full ?r)) (decrease (speed ?r) #t))',
         ),
-        'domain, line 27: effects that go on all the while (#t) are left out; a belief for which',
+        'domain, line 27: effects that go on all the while (#t), and conditions on what they',
     ),
     'a duration that changes': (
         (
@@ -487,7 +487,7 @@ LEFT_OUT = {
     ),
     'a process': (
         ('(:durative-action CHARGE', '(:process rain :parameters ())\n(:durative-action CHARGE'),
-        'domain, line 23: what happens by itself, (:process …) and (:event …), is left out; a be',
+        'domain, line 23: what happens by itself, (:process …) and (:event …), is left out; what',
     ),
 }
 

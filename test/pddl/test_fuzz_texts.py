@@ -13,11 +13,10 @@ import pytest
 import yaml
 from fuzz_readers import (
     MODELS,
-    PAIRS,
-    PDDL_WORDS,
     PLAN_WORDS,
     PLANS,
     YAML_WORDS,
+    damaged_pairs,
     plain_reading,
     try_plan,
     try_task,
@@ -64,25 +63,9 @@ def test_a_plan_text_is_refused_with_a_place_or_can_really_be_carried_out(
     watch.over(text, lambda: try_plan(tools, text))
 
 
-def pddl_pairs() -> st.SearchStrategy[tuple[str, str]]:
-    """Return domains and problems, one or both of them damaged."""
-
-    def pair(texts: tuple[str, str]) -> st.SearchStrategy[tuple[str, str]]:
-        domain, problem = texts
-        bad_domain = damaged([domain], PDDL_WORDS)
-        bad_problem = damaged([problem], PDDL_WORDS) | NOISE
-        return (
-            st.tuples(bad_domain, st.just(problem))
-            | st.tuples(st.just(domain), bad_problem)
-            | st.tuples(bad_domain, bad_problem)
-        )
-
-    return st.sampled_from(PAIRS).flatmap(pair)
-
-
 # unified-planning's reader takes some hundredths of a second
 @settings(fuzz, max_examples=max(CASES // 5, 100))
-@given(texts=pddl_pairs())
+@given(texts=damaged_pairs())
 def test_a_task_is_refused_with_a_place_or_is_what_unified_planning_reads(
     watch: Watch, texts: tuple[str, str]
 ) -> None:
