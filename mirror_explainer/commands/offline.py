@@ -99,8 +99,7 @@ def prepare_files(
         try:
             preparation = refine(preparation, planner, progress=progress)
         except PlanningError as error:
-            warning = f'answered without planning: {told(error)}'
-            preparation = replace(preparation, warnings=(*preparation.warnings, warning))
+            preparation = preparation.without_planning(told(error))
     return replace(preparation, seconds=replace(preparation.seconds, read=read))
 
 

@@ -88,6 +88,22 @@ class Preparation:
         """The share of P(B) that is planned for, or proved unsolvable."""
         return planned_share(self.prior, self.results)
 
+    def is_of_task_of(self, other: 'Preparation') -> bool:
+        """Whether both came of one call of `prepare`, however far planning and robot are."""
+        return self.way is other.way
+
+    def at(self, newer: 'Preparation') -> 'Preparation':
+        """Return it with the robot as far as in a newer one of the same task."""
+        return replace(self, situation=newer.situation, inputs=newer.inputs)
+
+    def warned(self, warning: str) -> 'Preparation':
+        """Return it with one more warning."""
+        return replace(self, warnings=(*self.warnings, warning))
+
+    def without_planning(self, reason: str) -> 'Preparation':
+        """Return it with a warning that planning failed, for a reason."""
+        return self.warned(f'answered without planning: {reason}')
+
     def model_for(
         self, listener: Listener, stop: Callable[[], None] = lambda: None
     ) -> MirrorModel:

@@ -52,14 +52,17 @@ def news(before: Readiness, now: Readiness) -> Iterator[tuple[int, str]]:
     A robot may replan ten times a second: that it still can be explained is no news.
     """
     preparation = now.preparation
-    if preparation is None:
+    if preparation is None or now.phase is Phase.ERROR:
         level = logging.ERROR if now.phase is Phase.ERROR else logging.INFO
         yield level, with_cure(now.message, now.cure)
+    if preparation is None:
         return
     known = before.preparation.warnings if before.preparation else ()
     for warning in preparation.warnings:
         if warning not in known:
             yield logging.WARNING, warning
+    if now.phase is Phase.ERROR:
+        return
     yield (
         logging.INFO if before.preparation is None else logging.DEBUG,
         f'ready: a plan of {len(preparation.model.sentences)} actions',

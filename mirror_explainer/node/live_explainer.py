@@ -13,9 +13,10 @@ from typing import Any
 from mirror_explainer.node.answers import Answers, printable
 from mirror_explainer.node.diagnostics import Diagnosis, diagnose
 from mirror_explainer.node.history import History, news
+from mirror_explainer.node.input_reader import InputReader
 from mirror_explainer.node.inputs import Configuration, Inputs, Text
-from mirror_explainer.node.maker import Maker
 from mirror_explainer.node.readiness import Phase, Readiness
+from mirror_explainer.node.refiner import Refiner
 from mirror_explainer.node.surroundings import look_around
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.planning import Planner
@@ -63,8 +64,8 @@ class LiveExplainer:
         self._history = History()
         self._waiting = threading.Semaphore(MOST_WAITING_CALLS)
         self._answers = Answers(publish)
-        self._maker = Maker(self._make_planner)
-        self._updates = Updates(self._maker, self._on_done)
+        self._reader = InputReader()
+        self._updates = Updates(self._reader, Refiner(self._make_planner), self._on_done)
         self.configure(configuration)
 
     def configure(self, configuration: Configuration) -> None:
@@ -128,11 +129,16 @@ class LiveExplainer:
         self._updates.close()
 
     def _submit(self, inputs: Inputs) -> None:
+        """Work on inputs; with the lock, so that none overtakes another."""
         self._inputs = inputs
         self._updates.submit(inputs, self._configuration.node.answer_timeout)
 
+    def _configured(self) -> Configuration:
+        with self._lock:
+            return self._configuration
+
     def _make_planner(self) -> Planner:
-        return Planner.of(self._configuration.planning)
+        return Planner.of(self._configured().planning)
 
     def _on_done(self, readiness: Readiness) -> None:
         """Tell how an update ended, and make the answer that a call will want."""
@@ -148,7 +154,7 @@ class LiveExplainer:
         self._on_update()
 
     def _reply(self) -> Reply:
-        configuration = self._configuration
+        configuration = self._configured()
         if self._waiting.acquire(blocking=False):
             try:
                 readiness = self._updates.wait(configuration.node.answer_timeout)
@@ -158,7 +164,7 @@ class LiveExplainer:
             readiness = self._updates.readiness
         if readiness.preparation is None:
             if readiness.phase is Phase.PLANNING:  # the texts are still being read
-                return Reply(False, self._maker.phrases.not_ready)
+                return Reply(False, self._reader.phrases.not_ready)
             return Reply(False, readiness.spoken or readiness.message)
         text = self._answers.give(
             readiness.preparation,
@@ -167,5 +173,5 @@ class LiveExplainer:
             configuration.node.remember,
         )
         if text is None:
-            return Reply(False, self._maker.phrases.not_ready)
+            return Reply(False, self._reader.phrases.not_ready)
         return Reply(True, text)

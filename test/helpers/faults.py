@@ -3,6 +3,7 @@
 `pytest test/test_faults_*.py --fault-table FILE` writes a Markdown table of them.
 """
 
+import json
 import re
 import time
 from collections.abc import Callable
@@ -68,3 +69,37 @@ def injected(
     answer = peer.answer()
     table.add(fault, f'"{failure}"', level, time.monotonic() - mended)
     return failure, answer
+
+
+def answered_without(
+    table: FaultTable,
+    peer: Peer,
+    fault: str,
+    inject: Callable[[], object],
+    words: str,
+    mend: Callable[[], object],
+) -> tuple[str, str]:
+    """Inject a fault of the planner until diagnostics have these words, and mend it.
+
+    Returns what was heard: the answer that was made without planning, and the complete one
+    afterwards.
+    """
+    inject()
+    level = diagnosed(peer, words)
+    reason = last_diagnostic(peer)['message']
+    assert level == 'ERROR', reason
+    reports = peer.hear('mirror_explainer/explanation')
+
+    def answer(complete: bool) -> str:
+        heard = peer.answer()
+        eventually(lambda: reports and json.loads(reports[-1])['spoken'] == heard, 'the report')
+        return heard if json.loads(reports[-1])['complete'] is complete else ''
+
+    without = answer(complete=False)
+    assert f'answered without planning: {reason}' in last_diagnostic(peer)['warnings']
+    mend()
+    mended = time.monotonic()
+    after = eventually(lambda: answer(complete=True), 'a complete answer')
+    seconds = time.monotonic() - mended
+    table.add(fault, 'the answer, made without planning', f'{level}: {reason}', seconds)
+    return without, after

@@ -6,8 +6,18 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+import sliding_tiles
 from conftest import WAREHOUSE
-from test_live_explainer import DOMAIN, PLAN, PROBLEM, USER_MODEL, Operator, operator
+from patience import eventually
+from test_live_explainer import (
+    DOMAIN,
+    PLAN,
+    PROBLEM,
+    USER_MODEL,
+    Operator,
+    operator,
+    puzzled,
+)
 
 from mirror_explainer.node.inputs import Text
 from mirror_explainer.node.moment import Moment
@@ -15,8 +25,9 @@ from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.problem_text import with_state
 from mirror_explainer.pddl.simulation import carry_out
+from mirror_explainer.planning import Planner
 
-__all__ = ['operator']  # the fixture
+__all__ = ['operator', 'puzzled']  # the fixtures
 LINES = [line for line in PLAN.split('\n') if line.startswith('(')]
 STATES = carry_out(read_task(DOMAIN, PROBLEM), read_plan(PLAN)).states
 PROBLEMS = [with_state(PROBLEM, state) for state in STATES]
@@ -177,3 +188,31 @@ def test_an_edited_user_model_is_taken_up_in_the_middle_of_an_episode(
 
     assert answer['spoken'] == 'I have fetched a blue cube.\nI will fetch a red circle.'
     assert answer['episode']['number'] == 1
+
+
+def test_progress_does_not_stop_a_search_under_way(monkeypatch, puzzled: Operator) -> None:
+    begun, ended, plan = [], [], Planner.plan
+
+    def watched(planner: Planner, *given: Any, **options: Any) -> Any:
+        begun.append(given)
+        try:
+            return plan(planner, *given, **options)
+        finally:
+            ended.append(given)
+
+    def told(done: int) -> bool:
+        if not puzzled.explainer.ask().success:
+            return False
+        rows = json.loads(puzzled.published[-1][1])['plan']
+        return [row['status'] for row in rows].count('done') == done
+
+    monkeypatch.setattr(Planner, 'plan', watched)
+    puzzled.set(answer_timeout=0.0)
+    problem, steps = sliding_tiles.scrambled(moves=200, seed=200)
+    puzzled.publish(problem=problem, plan=steps)
+    eventually(lambda: begun, 'the planning')
+    for done in range(1, 4):
+        puzzled.publish(progress='\n'.join(f'done: {s}' for s in steps.split('\n')[:done]))
+        eventually(lambda done=done: told(done), f'an answer after {done} steps')
+
+    assert (len(begun), len(ended)) == (1, 0)

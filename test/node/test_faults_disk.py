@@ -12,7 +12,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-from faults import FaultTable, injected
+from faults import FaultTable, answered_without
 from ros_peer import THREE_SENTENCES, Peer, Process, explainer
 
 pytestmark = pytest.mark.usefixtures('ros')
@@ -91,7 +91,7 @@ def test_a_temporary_folder_that_is_gone_is_told_when_a_process_has_to_be_starte
             kill_planning_processes(node)
             peer.publish_warehouse('another')
 
-        _, answer = injected(
+        without, answer = answered_without(
             fault_table,
             peer,
             'temporary folder gone, planning process killed',
@@ -100,6 +100,7 @@ def test_a_temporary_folder_that_is_gone_is_told_when_a_process_has_to_be_starte
             folder.mkdir,
         )
 
+    assert without.endswith(THREE_SENTENCES)
     assert answer.endswith(THREE_SENTENCES)
 
 

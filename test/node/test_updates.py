@@ -3,9 +3,8 @@
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from patience import PATIENCE, eventually
@@ -18,33 +17,78 @@ from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.text_files import TextFiles
 
-READY = Readiness(Phase.READY, 'ready', preparation='an answer')
+
+@dataclass(frozen=True)
+class Answer:
+    """Stands in for a preparation: of the task with a plan, told of at some progress."""
+
+    plan: str = ''
+    progress: str = ''
+    text: str = 'unplanned'
+    failed_beliefs: int = 0
+
+    def is_of_task_of(self, other: 'Answer') -> bool:
+        return self.plan == other.plan
+
+    def at(self, newer: 'Answer') -> 'Answer':
+        return replace(self, progress=newer.progress)
+
+
 BAD = Readiness(Phase.ERROR, 'bad plan', blamed='/plan')
 NO_MODEL = Readiness(Phase.ERROR, 'no such file', blamed='user_model.yaml')
 BROKEN = Readiness(Phase.ERROR, 'the planner is broken', may_pass=True)
 
 
-class PlayedMaker:
-    """Makes what comes of inputs with a function of the inputs, and notes the inputs that came."""
+def planning(inputs: Inputs, text: str = 'unplanned') -> Readiness:
+    """Return what is known of the inputs while planning goes on."""
+    progress = inputs.progress.text if inputs.progress else ''
+    answer = Answer(inputs.plan.text, progress, text)
+    return Readiness(Phase.PLANNING, 'planning 1 of 2', answer)
 
-    def __init__(self, make: Callable[[Inputs, StopRequest], Readiness]) -> None:
+
+def read_at_once(inputs: Inputs, stop: StopRequest) -> Readiness:
+    """Read what is always good."""
+    return planning(inputs)
+
+
+def planned(unplanned: Answer, stop: StopRequest) -> Readiness:
+    """Plan for what is always solved at once."""
+    return Readiness(Phase.READY, 'ready', replace(unplanned, text='planned'))
+
+
+class PlayedReader:
+    """Reads inputs with a function, and notes the inputs that came."""
+
+    def __init__(self, read: Callable[[Inputs, StopRequest], Readiness]) -> None:
         self.files = TextFiles()
-        self.made: list[Inputs] = []
-        self.closed = False
-        self._make = make
-
-    def warm_up(self) -> None:
-        pass
+        self.asked: list[Inputs] = []
+        self._read = read
 
     def forget_files(self) -> None:
         self.files = TextFiles()
 
-    def make(
-        self, inputs: Inputs, stop: StopRequest, tell: Callable[[Readiness], None]
+    def read(self, inputs: Inputs, stop: StopRequest) -> Readiness:
+        self.asked.append(inputs)
+        return replace(self._read(inputs, stop), inputs=inputs)
+
+
+class PlayedRefiner:
+    """Plans with a function, and notes the plans of the tasks that came."""
+
+    def __init__(self, refine: Callable[[Answer, StopRequest], Readiness]) -> None:
+        self.asked: list[str] = []
+        self.closed = False
+        self._refine = refine
+
+    def warm_up(self) -> None:
+        pass
+
+    def refine(
+        self, unplanned: Answer, stop: StopRequest, tell: Callable[[Readiness], None]
     ) -> Readiness:
         self.tell = tell
-        self.made.append(inputs)
-        return replace(self._make(inputs, stop), inputs=inputs)
+        self.asked.append(unplanned.plan)
+        return self._refine(unplanned, stop)
 
     def close(self) -> None:
         self.closed = True
@@ -53,15 +97,24 @@ class PlayedMaker:
 class Robot:
     """Submits one plan after the other, and hears what comes of them."""
 
-    def __init__(self, make: Callable[[Inputs, StopRequest], Readiness]) -> None:
-        self.maker = PlayedMaker(make)
+    def __init__(
+        self,
+        read: Callable[[Inputs, StopRequest], Readiness] = read_at_once,
+        refine: Callable[[Answer, StopRequest], Readiness] = planned,
+    ) -> None:
+        self.reader = PlayedReader(read)
+        self.refiner = PlayedRefiner(refine)
         self.told: list[Readiness] = []
-        self.updates = Updates(self.maker, self.told.append)
+        self.updates = Updates(self.reader, self.refiner, self.told.append)
         self._ended = threading.Event()
         self._stream: threading.Thread | None = None
 
-    def submit(self, plan: str, problem: str = 'a problem') -> None:
-        inputs = Inputs(plan=Text(plan, '/plan'), problem=Text(problem, '/problem'))
+    def submit(self, plan: str, problem: str = 'a problem', progress: str = '') -> None:
+        inputs = Inputs(
+            plan=Text(plan, '/plan'),
+            problem=Text(problem, '/problem'),
+            progress=Text(progress, '/progress'),
+        )
         self.updates.submit(inputs, patience=5.0)
 
     def stream(self, period: float, plans: str = 'a plan') -> None:
@@ -80,10 +133,6 @@ class Robot:
         self._stream = threading.Thread(target=submit_all)
         self._stream.start()
 
-    def wait_for_work(self) -> None:
-        """Wait until the first work has begun."""
-        eventually(lambda: self.maker.made, 'the first work')
-
     def phases_told(self, count: int) -> list[Phase]:
         """Return what was told, once it is so much: calls are answered a moment before."""
         eventually(lambda: len(self.told) >= count, f'{count} updates told')
@@ -101,8 +150,8 @@ def played() -> Iterator[Callable[..., Robot]]:
     """Return a function that makes a robot whose updates are played by a function."""
     robots: list[Robot] = []
 
-    def make(work: Callable[[Inputs, StopRequest], Readiness]) -> Robot:
-        robots.append(Robot(work))
+    def make(**works: Callable[..., Readiness]) -> Robot:
+        robots.append(Robot(**works))
         return robots[-1]
 
     yield make
@@ -110,7 +159,7 @@ def played() -> Iterator[Callable[..., Robot]]:
         robot.close()
 
 
-def until_stopped(inputs: Inputs, stop: StopRequest) -> Readiness:
+def until_stopped(given: object, stop: StopRequest) -> Readiness:
     """Work that ends only when it is to stop."""
     while True:
         stop.check()
@@ -120,7 +169,6 @@ def until_stopped(inputs: Inputs, stop: StopRequest) -> Readiness:
 @pytest.mark.parametrize(
     ('outcome', 'plans'),
     [
-        (READY, 'plan {}'),
         (BAD, 'the same plan'),
         (NO_MODEL, 'plan {}'),
         (Readiness(Phase.WAITING, 'no plan'), ''),
@@ -130,8 +178,8 @@ def until_stopped(inputs: Inputs, stop: StopRequest) -> Readiness:
 def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(
     played, outcome, plans, period
 ):
-    # Every work is overtaken by newer inputs while it goes on.
-    robot = played(lambda inputs, stop: time.sleep(0.1) or outcome)
+    # Every reading is overtaken by newer inputs while it goes on.
+    robot = played(read=lambda inputs, stop: time.sleep(0.1) or outcome)
     robot.stream(period, plans)
 
     heard = robot.updates.wait(PATIENCE)
@@ -140,15 +188,30 @@ def test_what_comes_of_a_stream_that_never_rests_is_told_whatever_it_is(
     assert [told.message for told in robot.told][:1] in ([], [outcome.message])
 
 
+@pytest.mark.parametrize('period', [0.01, 0.05])
+def test_tasks_that_never_rest_are_planned_for_all_the_same(played, period):
+    def refine(unplanned: Answer, stop: StopRequest) -> Readiness:
+        time.sleep(0.3)
+        stop.check()
+        return planned(unplanned, stop)
+
+    robot = played(refine=refine)
+    robot.stream(period, 'plan {}')
+
+    heard = robot.updates.wait(PATIENCE)
+
+    assert heard.preparation.text == 'planned'
+
+
 def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_rest(
     monkeypatch, played
 ):
     monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
     # Each problem and plan may be halves of two updates.
-    robot = played(lambda inputs, stop: time.sleep(0.4) or BAD)
+    robot = played(read=lambda inputs, stop: time.sleep(0.4) or BAD)
     robot.stream(0.01, 'plan {}')
 
-    while len(robot.maker.made) < 5:
+    while len(robot.reader.asked) < 5:
         heard = robot.updates.wait(0.1)
         assert heard.phase is Phase.PLANNING
 
@@ -157,21 +220,29 @@ def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_r
 
 def test_a_plan_that_comes_long_before_its_problem_is_not_told_to_be_wrong(monkeypatch, played):
     monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
-    robot = played(lambda inputs, stop: BAD if inputs.problem.text == 'old' else READY)
+    robot = played(
+        read=lambda inputs, stop: BAD if inputs.problem.text == 'old' else planning(inputs)
+    )
     robot.submit('plan', 'old')
-    robot.wait_for_work()
+    eventually(lambda: robot.reader.asked, 'the first reading')
     robot.submit('plan', 'new')
 
     assert robot.updates.wait(PATIENCE).phase is Phase.READY
     assert robot.phases_told(1) == [Phase.READY]
 
 
-def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
-    robot = played(
-        lambda inputs, stop: until_stopped(inputs, stop) if inputs.plan.text == 'old' else READY
-    )
+@pytest.mark.parametrize('stage', ['read', 'refine'])
+def test_work_on_an_older_task_is_stopped_by_the_first_newer_one(played, stage):
+    goes_on = {'read': read_at_once, 'refine': planned}[stage]
+
+    def work(given: Inputs | Answer, stop: StopRequest) -> Readiness:
+        text = given.plan.text if isinstance(given, Inputs) else given.plan
+        return (until_stopped if text == 'old' else goes_on)(given, stop)
+
+    robot = played(**{stage: work})
     robot.submit('old')
-    robot.wait_for_work()
+    begun = {'read': robot.reader.asked, 'refine': robot.refiner.asked}[stage]
+    eventually(lambda: begun, 'the first work')
     robot.submit('new')
 
     heard = robot.updates.wait(PATIENCE)
@@ -182,37 +253,99 @@ def test_work_on_older_inputs_is_stopped_by_the_first_newer_one(played):
     assert robot.told[0].inputs.plan.text == 'new'
 
 
-def planning(preparation: str, inputs: Inputs) -> Readiness:
-    """Return what is told while planning goes on."""
-    return Readiness(Phase.PLANNING, 'planning 1 of 2', preparation, inputs)
+def test_progress_does_not_stop_the_planning_and_its_result_is_for_the_newest_progress(played):
+    goes_on = threading.Event()
+
+    def refine(unplanned: Answer, stop: StopRequest) -> Readiness:
+        while not goes_on.wait(0.001):
+            stop.check()
+        return planned(unplanned, stop)
+
+    robot = played(refine=refine)
+    robot.submit('plan')
+    eventually(lambda: robot.refiner.asked, 'the planning')
+    heard = []
+    for step in '123':
+        robot.submit('plan', progress=step)
+        heard.append(
+            eventually(
+                lambda step=step: (
+                    (found := robot.updates.wait(0.01)).preparation
+                    and found.preparation.progress == step
+                    and found
+                ),
+                f'the progress {step}',
+            )
+        )
+    goes_on.set()
+    after = robot.updates.wait(PATIENCE)
+
+    assert [found.phase for found in heard] == [Phase.PLANNING] * 3
+    assert after.preparation == Answer('plan', '3', 'planned')
+    assert after.inputs.progress.text == '3'
+    assert robot.refiner.asked == ['plan']
+
+
+def test_progress_after_the_planning_is_answered_without_any_more(played):
+    robot = played()
+    heard = []
+    for step in '0123':
+        robot.submit('plan', progress=step)
+        heard.append(robot.updates.wait(PATIENCE))
+
+    assert [(found.phase, found.preparation.progress) for found in heard] == [
+        (Phase.READY, step) for step in '0123'
+    ]
+    assert robot.refiner.asked == ['plan']
+
+
+def test_what_is_wrong_for_a_while_takes_nothing_away_that_was_planned(played):
+    robot = played(
+        read=lambda inputs, stop: NO_MODEL if inputs.progress.text == 'x' else planning(inputs)
+    )
+    heard = []
+    for step in '1x2':
+        robot.submit('plan', progress=step)
+        heard.append(robot.updates.wait(PATIENCE).message)
+
+    assert heard == ['ready', NO_MODEL.message, 'ready']
+    assert robot.refiner.asked == ['plan']
 
 
 def test_a_call_that_waited_in_vain_gets_what_is_known_by_then(played):
-    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
-        robot.maker.tell(planning('a first answer', inputs))
-        return until_stopped(inputs, stop)
+    def refine(unplanned: Answer, stop: StopRequest) -> Readiness:
+        robot.refiner.tell(told('a first answer'))
+        return until_stopped(unplanned, stop)
 
-    robot = played(work)
+    robot = played(refine=refine)
     robot.submit('plan')
-    robot.wait_for_work()
     heard = eventually(
-        lambda: (found := robot.updates.wait(0.01)).preparation and found, 'an answer'
+        lambda: (
+            (found := robot.updates.wait(0.01)).preparation
+            and found.preparation.text != 'unplanned'
+            and found
+        ),
+        'an answer',
     )
 
-    assert heard.preparation == 'a first answer'
+    assert heard.preparation.text == 'a first answer'
     assert heard.inputs.plan.text == 'plan'
     assert robot.told == []
 
 
-def test_what_is_known_about_older_inputs_is_not_for_calls_that_come_after_newer_ones(played):
-    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
-        if inputs.plan.text == 'old':
-            robot.maker.tell(planning('the old answer', inputs))
-            goes_on.wait(PATIENCE)
-        return until_stopped(inputs, stop)
+def told(text: str) -> Readiness:
+    """Return what planning tells meanwhile."""
+    return Readiness(Phase.PLANNING, 'planning 1 of 2', Answer(text=text))
 
+
+def test_what_is_known_about_an_older_task_is_not_for_calls_that_come_after_a_newer_one(played):
     goes_on = threading.Event()
-    robot = played(work)
+    robot = played(
+        read=lambda inputs, stop: (
+            (inputs.plan.text == 'old' or goes_on.wait(PATIENCE)) and planning(inputs)
+        ),
+        refine=until_stopped,
+    )
     robot.submit('old')
     eventually(lambda: robot.updates.wait(0.01).preparation, 'the old answer')
     robot.submit('new')
@@ -223,58 +356,115 @@ def test_what_is_known_about_older_inputs_is_not_for_calls_that_come_after_newer
     assert heard.message == 'reading the newest inputs'
 
 
-def test_after_work_that_was_stopped_texts_are_read_and_planned_for_half_as_long_as_calls_wait(
+def test_a_reading_is_not_stopped_if_the_one_before_it_was(played):
+    goes_on = threading.Semaphore(0)
+    stopped: dict[str, bool] = {}
+
+    def read(inputs: Inputs, stop: StopRequest) -> Readiness:
+        goes_on.acquire(timeout=PATIENCE)
+        stopped[inputs.plan.text] = stop.is_set()
+        stop.check()
+        return planning(inputs)
+
+    robot = played(read=read)
+    robot.submit('1')
+    for number in range(1, 5):
+        eventually(lambda n=number: len(robot.reader.asked) == n, f'reading {number}')
+        robot.submit(str(number + 1))  # while number is read
+        goes_on.release()
+    goes_on.release()
+    robot.updates.wait(PATIENCE)
+
+    assert stopped == {'1': True, '2': False, '3': True, '4': False, '5': False}
+
+
+def test_after_planning_that_was_stopped_the_next_goes_on_for_half_as_long_as_calls_wait(
     monkeypatch, played
 ):
     asked: list[float] = []
-    monkeypatch.setattr(StopRequest, 'after', lambda stop, seconds: asked.append(seconds))
+
+    def refine(unplanned: Answer, stop: StopRequest) -> Readiness:
+        monkeypatch.setattr(stop, 'after', asked.append)
+        goes_on.acquire(timeout=PATIENCE)
+        if unplanned.plan == 'first':
+            raise Cancelled
+        return planned(unplanned, stop)
+
     goes_on = threading.Semaphore(0)
+    robot = played(refine=refine)
 
-    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
-        for _ in 'read', 'planned':
-            goes_on.acquire(timeout=PATIENCE)
-            if inputs.plan.text == 'first':
-                raise Cancelled
-            robot.maker.tell(planning(inputs.plan.text, inputs))
-        return READY
+    def submit(plan: str) -> None:
+        robot.submit(plan)
+        eventually(
+            lambda: (
+                (found := robot.updates.readiness).preparation and found.inputs.plan.text == plan
+            ),
+            'the reading',
+        )
 
-    robot = played(work)
-    robot.submit('first')
-    robot.wait_for_work()
-    robot.submit('second')  # while the first is read: at once
+    submit('first')
+    eventually(lambda: len(robot.refiner.asked) == 1, 'the first planning')
+    submit('second')  # while the first is planned for: at once
+    assert asked == [0.0]
     goes_on.release()
-    eventually(lambda: len(robot.maker.made) == 2, 'the second work')
-    robot.submit('third')  # while the second is read: not before it is
-    assert asked == [0.0, 0.0]
+    eventually(lambda: len(robot.refiner.asked) == 2, 'the second planning')
+    submit('third')
+    submit('fourth')
+    assert asked[1:] == [2.5, 2.5]  # calls wait for 5 s
     goes_on.release()
-    eventually(lambda: len(asked) == 3, 'that the second is to stop')
-    robot.submit('fourth')  # while the second is planned for
-    assert asked[2:] == [2.5, 2.5]  # calls wait for 5 s
-    goes_on.release()
-    eventually(lambda: len(robot.maker.made) == 3, 'the next work')
-    robot.submit('fifth')  # the second was done, so at once again
+    eventually(lambda: len(robot.refiner.asked) == 3, 'the next planning')
+    submit('fifth')  # the second was done, so at once again
     assert asked[-1] == 0.0
+    assert robot.refiner.asked == ['first', 'second', 'fourth']
     goes_on.release(10)
+
+
+def failing(unplanned: Answer, beliefs: int) -> Readiness:
+    """Return what comes of planning that failed for some beliefs."""
+    answer = replace(unplanned, text='planned', failed_beliefs=beliefs)
+    return Readiness(Phase.READY, 'ready', answer, may_pass=beliefs > 0)
 
 
 def test_another_attempt_takes_no_answer_away_while_it_goes_on(monkeypatch, played):
     monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 0.01)
     goes_on = threading.Event()
 
-    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
-        robot.maker.tell(planning('a first answer', inputs))
-        if len(robot.maker.made) > 1:
+    def refine(unplanned: Answer, stop: StopRequest) -> Readiness:
+        robot.refiner.tell(told('a first answer'))
+        if len(robot.refiner.asked) > 1:
             goes_on.wait(PATIENCE)
-        return Readiness(Phase.READY, 'ready', SimpleNamespace(failed_beliefs=1), may_pass=True)
+        return failing(unplanned, 1)
 
-    robot = played(work)
+    robot = played(refine=refine)
     robot.submit('plan')
-    eventually(lambda: len(robot.maker.made) == 2, 'another attempt')
-    heard = robot.updates.wait(PATIENCE)
+    eventually(lambda: len(robot.refiner.asked) == 2, 'another attempt')
+    first = robot.updates.wait(PATIENCE)
+    robot.submit('plan', progress='1')
+    second = robot.updates.wait(PATIENCE)
     goes_on.set()
 
-    assert heard.phase is Phase.READY
-    assert heard.preparation.failed_beliefs == 1
+    assert [found.phase for found in (first, second)] == [Phase.READY] * 2
+    assert second.preparation == Answer('plan', '1', 'planned', failed_beliefs=1)
+
+
+@pytest.mark.parametrize('between', ['', 'x'])
+def test_what_failed_is_tried_again_after_progress_and_after_what_was_wrong(
+    monkeypatch, played, between
+):
+    monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 0.5)
+    robot = played(
+        read=lambda inputs, stop: NO_MODEL if inputs.progress.text == 'x' else planning(inputs),
+        refine=lambda unplanned, stop: failing(unplanned, 2 - len(robot.refiner.asked)),
+    )
+    robot.submit('plan')
+    first = robot.updates.wait(PATIENCE)
+    for step in (between, '1'):
+        robot.submit('plan', progress=step)
+        robot.updates.wait(PATIENCE)
+    eventually(lambda: robot.updates.readiness.preparation.failed_beliefs == 0, 'a better one')
+
+    assert first.preparation.failed_beliefs == 1
+    assert robot.refiner.asked == ['plan'] * 2
 
 
 def test_a_file_is_read_once_it_has_been_left_alone(monkeypatch, played, tmp_path: Path):
@@ -283,7 +473,11 @@ def test_a_file_is_read_once_it_has_been_left_alone(monkeypatch, played, tmp_pat
     file = tmp_path / 'user_model.yaml'
     file.write_text('0')
     texts = []
-    robot = played(lambda inputs, stop: texts.append(robot.maker.files.read(str(file))) or READY)
+    robot = played(
+        read=lambda inputs, stop: (
+            texts.append(robot.reader.files.read(str(file))) or planning(inputs)
+        )
+    )
     robot.submit('plan')
     robot.updates.wait(PATIENCE)
 
@@ -300,25 +494,27 @@ def test_a_file_that_is_never_left_alone_is_read_after_a_while(monkeypatch, play
     monkeypatch.setattr(module, 'LONGEST_FILE_SETTLING_SECONDS', 0.7)
     file = tmp_path / 'user_model.yaml'
     file.write_text('')
-    robot = played(lambda inputs, stop: robot.maker.files.read(str(file)) and READY or READY)
+    robot = played(
+        read=lambda inputs, stop: (robot.reader.files.read(str(file)), planning(inputs))[1]
+    )
     robot.submit('plan')
     robot.updates.wait(PATIENCE)
     end = time.monotonic() + PATIENCE
-    while len(robot.maker.made) < 3 and time.monotonic() < end:
+    while len(robot.reader.asked) < 3 and time.monotonic() < end:
         with file.open('a') as stream:
             stream.write('x')
         robot.updates.look_at_files()
         time.sleep(0.01)
 
-    assert len(robot.maker.made) >= 3
+    assert len(robot.reader.asked) >= 3
 
 
 def test_a_call_does_not_wait_for_a_file_system_that_hangs(monkeypatch, played):
-    robot = played(lambda inputs, stop: READY)
+    robot = played()
     robot.submit('plan')
     assert robot.updates.wait(PATIENCE).phase is Phase.READY
     hangs, goes_on = threading.Event(), threading.Event()
-    monkeypatch.setattr(robot.maker.files, 'changed', lambda: hangs.set() or goes_on.wait() and 0)
+    monkeypatch.setattr(robot.reader.files, 'changed', lambda: hangs.set() or goes_on.wait() and 0)
     first = threading.Thread(target=robot.updates.wait, args=[PATIENCE])
     first.start()
     assert hangs.wait(PATIENCE)
@@ -332,7 +528,7 @@ def test_a_call_does_not_wait_for_a_file_system_that_hangs(monkeypatch, played):
 
 
 def test_a_listener_that_fails_changes_nothing(played):
-    robot = played(lambda inputs, stop: READY)
+    robot = played()
     failed = []
 
     def fail(outcome: Readiness) -> None:
@@ -354,8 +550,11 @@ def test_an_error_that_may_pass_is_tried_again_by_a_call_and_told_once(monkeypat
     monkeypatch.setattr('mirror_explainer.node.retries.CALL_SECONDS', 0.0)
     # Only calls bring another attempt; they do not before it is as long ago as the last one took.
     monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 10 * PATIENCE)
-    outcomes = [BROKEN, BROKEN, READY]
-    robot = played(lambda inputs, stop: outcomes[min(len(robot.maker.made), 3) - 1])
+    robot = played(
+        refine=lambda unplanned, stop: (
+            BROKEN if len(robot.refiner.asked) < 3 else planned(unplanned, stop)
+        )
+    )
     robot.submit('plan')
 
     heard = [robot.updates.wait(PATIENCE).phase]
@@ -366,7 +565,7 @@ def test_an_error_that_may_pass_is_tried_again_by_a_call_and_told_once(monkeypat
 
     assert heard[0] is Phase.ERROR
     assert heard[-1] is Phase.READY
-    assert len(robot.maker.made) == 3
+    assert len(robot.refiner.asked) == 3
     assert robot.phases_told(2) == [Phase.ERROR, Phase.READY]
 
 
@@ -374,16 +573,14 @@ def test_an_error_that_may_pass_is_tried_again_by_a_call_and_told_once(monkeypat
 def test_another_attempt_replaces_an_answer_only_if_it_knows_more(monkeypatch, played, then, kept):
     monkeypatch.setattr('mirror_explainer.node.retries.FIRST_SECONDS', 0.01)
     failures = [1, then]
-
-    def work(inputs: Inputs, stop: StopRequest) -> Readiness:
-        failed = failures[min(len(robot.maker.made), 2) - 1]
-        answer = SimpleNamespace(failed_beliefs=failed)
-        return Readiness(Phase.READY, 'ready', answer, may_pass=failed > 0)
-
-    robot = played(work)
+    robot = played(
+        refine=lambda unplanned, stop: failing(
+            unplanned, failures[min(len(robot.refiner.asked), 2) - 1]
+        )
+    )
     robot.submit('plan')
     robot.updates.wait(PATIENCE)
-    eventually(lambda: len(robot.maker.made) > 2 - (then == 0), 'another attempt')
+    eventually(lambda: len(robot.refiner.asked) > 2 - (then == 0), 'another attempt')
     eventually(
         lambda: robot.updates.readiness.preparation.failed_beliefs == kept, 'the better one'
     )
@@ -393,7 +590,7 @@ def test_another_attempt_replaces_an_answer_only_if_it_knows_more(monkeypatch, p
 
 
 def test_closing_frees_who_waits_and_closes_the_maker(played):
-    robot = played(until_stopped)
+    robot = played(refine=until_stopped)
     robot.submit('plan')
     heard = []
     waiting = threading.Thread(target=lambda: heard.append(robot.updates.wait(PATIENCE)))
@@ -403,4 +600,4 @@ def test_closing_frees_who_waits_and_closes_the_maker(played):
     waiting.join(PATIENCE)
 
     assert heard[0].phase is Phase.PLANNING
-    assert robot.maker.closed
+    assert robot.refiner.closed

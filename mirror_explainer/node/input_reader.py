@@ -1,105 +1,77 @@
-"""What an update does: read inputs, check them, plan; and put what goes wrong in words."""
+"""From inputs to something to answer from: texts are read and checked, nothing is planned."""
 
 import logging
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
-from mirror_explainer.errors import Cancelled, InputError, NoPlanError, PlanningError
+from mirror_explainer.errors import Cancelled, InputError, NoPlanError
 from mirror_explainer.explainer import robot_plan_of
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.phrases import Phrases
-from mirror_explainer.listener.preparation import Preparation, prepare, refine
+from mirror_explainer.listener.preparation import Preparation, prepare
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.node.inputs import Inputs, Text
-from mirror_explainer.node.readiness import Phase, Readiness
+from mirror_explainer.node.readiness import Phase, Readiness, internal_error, planning
 from mirror_explainer.node.robot_status import RobotStatus
 from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.pddl import Task, require_definition
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.task_reader import TaskReader
-from mirror_explainer.planning import Planner
 from mirror_explainer.text_files import TextFiles
 
 _log = logging.getLogger(__name__)
-
-Tell = Callable[[Readiness], None]
 
 _START = (
     "Start what publishes these topics in the node's namespace, or remap them; set the parameters."
 )
 _CORRECT = 'Correct it there: a new message, or the changed file, is taken up by itself.'
-_REPORT = 'Report it with the log and the inputs; the next input is tried all the same.'
 
 
 @dataclass(frozen=True)
 class _Prepared:
-    """What was prepared, for which task and settings, from which files; with planning or not."""
+    """What was prepared, for which task and settings, from which files."""
 
     made_for: tuple[object, ...]
     files: object
     preparation: Preparation
-    is_planned: bool = False
 
 
-class Maker:
-    """Makes the explainer ready to answer about inputs, one at a time.
+class InputReader:
+    """Reads inputs, from one thread at a time; what did not change is not read again.
 
-    `make_planner` is called once it is needed, and again after planning failed.
-    `files` knows the files that were read, `phrases` are those of the user model read
-    last. `close` may come from any thread.
+    `files` knows the files that were read, `phrases` are those of the user model read last.
     """
 
-    def __init__(self, make_planner: Callable[[], Planner]) -> None:
+    def __init__(self) -> None:
         self.files = TextFiles()
         self.phrases = Phrases()
-        self._make_planner = make_planner
-        self._planner: Planner | None = None
-        self._planner_lock = threading.Lock()
-        self._closed = False
         self._reader = TaskReader()
         self._task: tuple[Text, Text, InputLimits, Task] | None = None
         self._robot = RobotStatus()
         self._prepared: _Prepared | None = None
 
-    def warm_up(self) -> None:
-        """Start the planner's processes, so that they are up when they are needed."""
-        try:
-            self._ready_planner()
-        except Exception as error:  # the first update will say so
-            _log.debug('no planner yet: %s', error)
-
     def forget_files(self) -> None:
         """Take what is read from now on for what the files are like."""
         self.files = TextFiles()
 
-    def make(self, inputs: Inputs, stop: StopRequest, tell: Tell) -> Readiness:
-        """Return what comes of the inputs. Raises Cancelled when it is to stop.
+    def read(self, inputs: Inputs, stop: StopRequest) -> Readiness:
+        """Return what there is to answer from, still to be planned for, or why there is nothing.
 
-        `tell` is called meanwhile with what there is to answer from, once the texts are read.
+        As long as the robot does what its plan says, that is of one and the same task. Raises
+        Cancelled when it is to stop.
         """
-        readiness = self._readiness_for(inputs, stop, tell)
-        return replace(readiness, inputs=self._as_read(inputs))
+        return replace(self._readiness_for(inputs, stop), inputs=self._as_read(inputs))
 
-    def close(self) -> None:
-        """End the planner, and with it what is being planned; no other will be made."""
-        with self._planner_lock:
-            self._closed = True
-        self._drop_planner()
-
-    def _readiness_for(self, inputs: Inputs, stop: StopRequest, tell: Tell) -> Readiness:
+    def _readiness_for(self, inputs: Inputs, stop: StopRequest) -> Readiness:
         try:
             if inputs.missing:
                 _check_alone(inputs, partial(self.files.read, limits=inputs.limits))
                 return Readiness(
                     Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
                 )
-            unplanned = self._prepare(inputs, stop)
-            preparation = self._refine(unplanned, self._as_read(inputs), stop, tell)
-            failed = preparation.failed_beliefs > 0
-            return Readiness(Phase.READY, 'ready', preparation, may_pass=failed)
+            return planning(self._prepare(inputs, stop), done=0)
         except NoPlanError as error:
             spoken = self.phrases.no_plan
             return Readiness(Phase.WAITING, str(error), cure=error.cure, spoken=spoken)
@@ -108,17 +80,12 @@ class Maker:
             return Readiness(Phase.ERROR, str(error), cure=cure, blamed=error.source)
         except Cancelled:
             raise
-        except PlanningError as error:
-            self._drop_planner()
-            return Readiness(Phase.ERROR, str(error), cure=error.cure, may_pass=True)
         except Exception as error:  # the node must outlive a fault of ours
-            self._drop_planner()
             _log.exception('where the internal error came from')
-            message = f'internal error, please report it: {error!r}'
-            return Readiness(Phase.ERROR, message, cure=_REPORT, may_pass=True)
+            return internal_error(error)
 
     def _prepare(self, inputs: Inputs, stop: StopRequest) -> Preparation:
-        """Return what is known once all is read, without any planning but that done before.
+        """Return what is known once all is read, without any planning.
 
         As long as the robot does what its plan says, that is what was known before.
         """
@@ -172,55 +139,9 @@ class Maker:
             self.files.read(path, limits)
         return self.files.revision == revision
 
-    def _refine(
-        self, preparation: Preparation, inputs: Inputs, stop: StopRequest, tell: Tell
-    ) -> Preparation:
-        """Return what is known after planning; tell meanwhile what is known so far."""
-        known = preparation
-        before = self._prepared
-        assert before is not None  # it was prepared
-        if before.is_planned and not preparation.failed_beliefs:
-            return preparation
-
-        def progress(done: int, beliefs: int) -> None:
-            message = f'planning {done} of {beliefs}'
-            tell(Readiness(Phase.PLANNING, message, known, inputs))
-
-        def on_refined(refined: Preparation) -> None:
-            nonlocal known
-            known = refined
-
-        progress(0, len(preparation.prior.beliefs))
-        refined = refine(
-            preparation,
-            self._ready_planner(),
-            cancelled=stop,
-            on_refined=on_refined,
-            progress=progress,
-        )
-        refined.model_for(refined.listener, stop.check)  # made here, where newer inputs stop it
-        self._prepared = replace(before, preparation=refined, is_planned=True)
-        return refined
-
     def _as_read(self, inputs: Inputs) -> Inputs:
         """Return the inputs with the revision of the files that were read for them."""
         return replace(inputs, files_revision=self.files.revision)
-
-    def _ready_planner(self) -> Planner:
-        """Return the planner, which is made once. Raises PlanningError if it can't be."""
-        with self._planner_lock:
-            if self._closed:
-                raise Cancelled
-            if self._planner is None:
-                self._planner = self._make_planner()
-            return self._planner
-
-    def _drop_planner(self) -> None:
-        """End a planner that failed: the next one is made of what is installed then."""
-        with self._planner_lock:
-            planner, self._planner = self._planner, None
-        if planner:
-            planner.close()
 
     def _read(self, domain: Text, problem: Text, limits: InputLimits, stop: StopRequest) -> Task:
         """Return the task, read again only when its texts or the limits changed."""
