@@ -1,8 +1,12 @@
 """Texts in: one way to read files, and one form of text, wherever it was written."""
 
+import contextlib
 import errno
+import fcntl
 import os
 import stat
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from mirror_explainer.errors import InputError
@@ -48,6 +52,51 @@ def write_text(path: str, text: str) -> None:
     except (OSError, ValueError) as error:
         reason = getattr(error, 'strerror', None) or error
         raise InputError(path, f'the file cannot be written: {reason}') from error
+
+
+def replace_text(path: str, text: str) -> None:
+    """Put a text in a file's place in one step: readers find the old one or the new, whole.
+
+    Raises OSError, and leaves the file as it was.
+    """
+    path = os.path.realpath(path)
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+    beside = f'{path}.{os.getpid()}.new'
+    try:
+        with open(beside, 'w', encoding='utf-8') as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        if os.path.exists(path):
+            os.chmod(beside, stat.S_IMODE(os.stat(path).st_mode))
+        os.replace(beside, path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            os.unlink(beside)
+        raise
+
+
+@contextlib.contextmanager
+def changing_alone(path: str, timeout: float = 1.0) -> Iterator[None]:
+    """Keep other processes that use this from changing the file meanwhile.
+
+    Raises TimeoutError, an OSError, if another one does so for longer than `timeout` seconds.
+    """
+    folder = os.open(os.path.dirname(os.path.realpath(path)), os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        end = time.monotonic() + timeout
+        while True:
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError as error:
+                if time.monotonic() >= end:
+                    raise TimeoutError(errno.ETIMEDOUT, 'another process is at it') from error
+                time.sleep(0.01)
+        yield
+    finally:
+        os.close(folder)
 
 
 def _path_cure(path: str) -> str:

@@ -1,44 +1,45 @@
 """The goals that a robot was seen to have, and how often: a file that people can read and edit.
 
 goals_seen:
-(and (delivered insulin ward_1b) (docked)): 12
+  (and (delivered insulin ward_1b) (docked)): 12
 
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import yaml
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.goals import parts_of
+from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.user_model_file import parse_yaml
+from mirror_explainer.pddl import Task, goal_expression
 from mirror_explainer.text_files import read_text
 
 # With more goals than this the rarest are dropped.
 MOST_GOALS = 300
+_MOST_TIMES = 10**9
 _KEY = 'goals_seen'
+_CURE = 'Write one goal a line, or remove the file and let the node count anew.'
 
 
-def read_goals_seen(path: str) -> dict[str, int]:
+def read_goals_seen(path: str, limits: InputLimits | None = None) -> dict[str, int]:
     """Return the goals in a file with their counts; raises InputError.
 
-    A file that has no counts, but a goal a line, is taken as well.
+    A file that has no counts, but a goal a line, is taken as well; a blank one has no goals.
     """
-    text = read_text(path)
+    text = read_text(path, limits)
     lines = [line.strip() for line in text.split('\n')]
     lines = [line for line in lines if line and not line.startswith(('#', ';'))]
-    if lines and all(line.startswith('(') and line.endswith(')') for line in lines):
+    if all(line.startswith('(') and line.endswith(')') for line in lines):
         return {line: lines.count(line) for line in lines}
-    try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        mark = getattr(error, 'problem_mark', None)
-        raise InputError(path, f'this is no YAML: {error}', mark and mark.line + 1) from error
-    counts = data.get(_KEY) if isinstance(data, dict) and len(data) == 1 else None
+    wanted = f'this has no "{_KEY}" with goals and whole numbers'
+    _, data = parse_yaml(text, path, wanted)
+    counts = data.get(_KEY) if len(data) == 1 else None
     if not isinstance(counts, dict) or not all(map(_is_count, counts.items())):
-        raise InputError(
-            path,
-            f'this has no "{_KEY}" with goals and whole numbers',
-            cure='Write one goal a line, or remove the file and let the node count anew.',
-        )
+        raise InputError(path, wanted, cure=_CURE)
     return dict(counts)
 
 
@@ -49,6 +50,41 @@ def goals_seen_text(counts: Mapping[str, int]) -> str:
     return head + yaml.safe_dump({_KEY: dict(often)}, sort_keys=False, allow_unicode=True)
 
 
+def with_goals_seen(user_model: UserModel, task: Task, counts: Mapping[str, int]) -> UserModel:
+    """Return the user model with P(G) as of a listener who saw the robot have these goals.
+
+    P(g) ∝ K p(g) + n(g): the model's own probabilities p weigh as much as one sight of each
+    of the K candidates. Goals are the same where they mean the same; those that are no
+    candidates, or of other objects, are left out.
+    """
+    seen: dict[object, int] = {}
+    for goal, times in counts.items():
+        try:
+            meaning = _meaning(goal, task)
+        except InputError:  # of another task
+            continue
+        seen[meaning] = seen.get(meaning, 0) + times
+    size = len(user_model.goals)
+    weights = [
+        # Each sight counts for the first of equal candidates, and for none that is ruled out.
+        size * goal.probability + seen.pop(_meaning(goal.goal, task), 0)
+        if goal.probability
+        else 0.0
+        for goal in user_model.goals
+    ]
+    goals = (
+        replace(goal, probability=weight / sum(weights))
+        for goal, weight in zip(user_model.goals, weights, strict=True)
+    )
+    return replace(user_model, goals=tuple(goals))
+
+
+def _meaning(goal: str, task: Task) -> object:
+    return frozenset(parts_of(goal_expression(task.model, goal), task.model))
+
+
 def _is_count(item: tuple[object, object]) -> bool:
     goal, count = item
-    return isinstance(goal, str) and isinstance(count, int) and not isinstance(count, bool)
+    if not isinstance(count, int) or isinstance(count, bool):
+        return False
+    return isinstance(goal, str) and 0 <= count <= _MOST_TIMES

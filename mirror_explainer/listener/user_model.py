@@ -55,7 +55,8 @@ class UserModel:
 
     `uncertain_facts` are independent Bernoulli variables, atom → P(atom holds).
     Of each group in `one_of` exactly one fact holds, atom → probability.
-    `rationality` is β of R(π, b), in 1/cost unit.
+    `rationality` is β of R(π, b), in 1/cost unit. `goals_seen` says that the listener knows
+    which goals the robot had before (`goals_seen.py`).
     """
 
     goals: tuple[CandidateGoal, ...]
@@ -63,6 +64,7 @@ class UserModel:
     one_of: tuple[Mapping[str, float], ...] = ()
     rationality: float = 1.0
     unlisted_goal_probability: float = 0.05
+    goals_seen: bool = False
     listener: Listener = OPEN
     templates: Mapping[str, Template] = field(default_factory=dict)
     objects: Mapping[str, str] = field(default_factory=dict)
@@ -132,6 +134,7 @@ def _user_model(file: UserModelFile, goals: Sequence[GoalEntry]) -> UserModel:
         ),
         rationality=file.rationality,
         unlisted_goal_probability=file.unlisted_goal_probability,
+        goals_seen=file.goals_seen,
         listener=replace(
             LISTENERS[file.listener.kind], **file.listener.model_dump(exclude_none=True)
         ),

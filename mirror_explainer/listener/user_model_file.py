@@ -94,6 +94,7 @@ class UserModelFile(_Section):
     one_of: list[_OneOf] = []
     rationality: _Weight = 1.0
     unlisted_goal_probability: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] = 0.05
+    goals_seen: bool = False
     sentences: dict[
         str,
         Annotated[

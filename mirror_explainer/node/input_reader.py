@@ -9,9 +9,11 @@ from functools import partial
 from mirror_explainer.errors import Cancelled, InputError, NoPlanError
 from mirror_explainer.explainer import robot_plan_of
 from mirror_explainer.input_limits import InputLimits
+from mirror_explainer.listener.goals_seen import with_goals_seen
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.preparation import Preparation, prepare
 from mirror_explainer.listener.user_model import UserModel, read_user_model
+from mirror_explainer.node.goal_counter import GoalCounter
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.readiness import Phase, Readiness, internal_error, planning
 from mirror_explainer.node.robot_status import RobotStatus
@@ -41,15 +43,17 @@ class _Prepared:
 class InputReader:
     """Reads inputs, from one thread at a time; what did not change is not read again.
 
+    The robot's goals are counted in `goals_seen_file`, if one is named.
     `files` knows the files that were read, `phrases` are those of the user model read last.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, goals_seen_file: str = '') -> None:
         self.files = TextFiles()
         self.phrases = Phrases()
         self._reader = TaskReader()
         self._task: tuple[Text, Text, InputLimits, Task] | None = None
         self._robot = RobotStatus()
+        self._goals = GoalCounter(goals_seen_file)
         self._prepared: _Prepared | None = None
 
     def forget_files(self) -> None:
@@ -123,9 +127,14 @@ class InputReader:
             preparation = before.preparation
         else:
             task = read(situation.problem)
+            seen = self._goals.before(situation, task.goal_text, limits)
             user_model, plan = user_model_for(task), robot_plan_of(situation)
             stop.check()
+            if user_model.goals_seen:
+                user_model = with_goals_seen(user_model, task, seen)
             preparation = prepare(task, plan, user_model, inputs.planning)
+            if self._goals.warning:
+                preparation = preparation.warned(self._goals.warning)
             seconds = replace(preparation.seconds, read=time.perf_counter() - started)
             preparation = replace(preparation, seconds=seconds)
             self._prepared = _Prepared(made_for, self.files.revision, preparation)

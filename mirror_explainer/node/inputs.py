@@ -20,6 +20,9 @@ class NodeSettings:
         '', 'PDDL domain; a message on "domain" replaces it', fixed=True, metavar='FILE'
     )
     user_model_file: str = setting('', 'YAML: what the listener may believe', metavar='FILE')
+    goals_seen_file: str = setting(
+        '', 'YAML: where the goals of the robot are counted, if at all', fixed=True, metavar='FILE'
+    )
     remember: bool = setting(False, 'whether each answer conditions the next')
     answer_timeout: float = setting(
         1.0, 's, that a call waits for planning to be done', least=0.0, most=1e6, metavar='S'

@@ -64,7 +64,7 @@ class LiveExplainer:
         self._history = History()
         self._waiting = threading.Semaphore(MOST_WAITING_CALLS)
         self._answers = Answers(publish)
-        self._reader = InputReader()
+        self._reader = InputReader(configuration.node.goals_seen_file)
         self._updates = Updates(self._reader, Refiner(self._make_planner), self._on_done)
         self.configure(configuration)
 

@@ -23,6 +23,8 @@ class Situation:
     `domain` and `problem` are the texts of its task, with the state in which it began;
     `reason` is why it began: FIRST, REPLANNED for the same goal, or NEW_TASK. `seen` is the
     progress that states show, `told` what the robot itself says of it, if it does.
+    `takes_up_goal` says that it is not a new plan for the goal of the episode before, which was
+    not reached yet.
     """
 
     episode: Episode
@@ -33,6 +35,7 @@ class Situation:
     reason: str = FIRST
     began: datetime | None = None
     told: Progress | None = None
+    takes_up_goal: bool = True
 
     @property
     def progress(self) -> Progress:
@@ -100,8 +103,12 @@ def next_situation(
         if seen is not None:
             return replace(before, seen=seen)
     new = situation_of(domain, problem, steps, read, source, limits)
-    reason = REPLANNED if same_goal else NEW_TASK
-    return replace(new, number=before.number + 1, reason=reason)
+    return replace(
+        new,
+        number=before.number + 1,
+        reason=REPLANNED if same_goal else NEW_TASK,
+        takes_up_goal=not same_goal or before.progress.finished,
+    )
 
 
 def begun_again(situation: Situation) -> Situation:
@@ -110,6 +117,7 @@ def begun_again(situation: Situation) -> Situation:
         situation,
         seen=Progress.none(len(situation.episode.steps)),
         told=None,
+        takes_up_goal=True,
         number=situation.number + 1,
         reason=REPLANNED,
         began=datetime.now().astimezone(),

@@ -13,7 +13,7 @@ import pytest
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
 from faults import FaultTable, answered_without
-from ros_peer import THREE_SENTENCES, Peer, Process, explainer
+from ros_peer import THREE_SENTENCES, Peer, Process, explainer, last_diagnostic
 
 pytestmark = pytest.mark.usefixtures('ros')
 needs_disk = pytest.mark.skipif(
@@ -35,12 +35,13 @@ class Disk:
         mount = f'mount -t tmpfs -o size=64k,nr_inodes=64 none {self.path} && cd {self.path}'
         return ['unshare', '-rm', 'sh', '-c', f'{mount} && {first}; exec "$0" "$@"']
 
-    def _seen_by(self, node: Process) -> Path:
+    def seen_by(self, node: Process) -> Path:
+        """Return the disk as others than the node get to it."""
         return Path(f'/proc/{node.popen.pid}/root{self.path}')
 
     def fill(self, node: Process) -> None:
         """Use up all space, and all names."""
-        folder = self._seen_by(node)
+        folder = self.seen_by(node)
         with (
             contextlib.suppress(OSError),
             (folder / 'full').open('wb', buffering=0) as file,
@@ -62,18 +63,31 @@ def test_a_disk_that_fills_up_keeps_nobody_from_an_answer(
     peer: Peer, tmp_path: Path, fault_table: FaultTable
 ) -> None:
     disk = Disk(tmp_path)
-    with explainer(peer, tmp_path, environment=disk.environment, within=disk.within()) as node:
+    with explainer(
+        peer,
+        tmp_path,
+        environment=disk.environment,
+        within=disk.within(),
+        goals_seen_file=disk.path / 'seen.yaml',
+    ) as node:
+        seen = disk.seen_by(node) / 'seen.yaml'
         peer.publish_warehouse()
         peer.answer()
+        counted = seen.read_text()
         disk.fill(node)
         peer.publish('plan', 'nonsense')
         failure = peer.failure('nonsense')
         kill_planning_processes(node)
         peer.publish_warehouse('another')
         answer = peer.answer()
+        warnings = last_diagnostic(peer)['warnings']
+        still_counted = seen.read_text()
     fault_table.add('disk full: temporary files, log', 'the answer', 'OK', None)
 
     assert failure
+    assert '(outside bottom_door)): 1' in counted
+    assert f'{disk.path}/seen.yaml: No space left on device' in warnings
+    assert still_counted == counted
     assert answer.endswith(THREE_SENTENCES)
 
 
