@@ -18,11 +18,11 @@ def comparison_figure(
     understanding, gain = figure.subplots(1, 2)
     x = [0, *(row['n'] for row in curves)]
     before = model.understanding()
-    for strategy in reversed(list(STRATEGY_STYLES)):
+    for strategy, style in reversed(list(STRATEGY_STYLES.items())):
         sure = [before, *(row[strategy]['understanding'] for row in curves)]
         told = [0.0, *(row[strategy]['information_gain'] for row in curves)]
-        draw_curve(understanding, strategy, x, sure)
-        draw_curve(gain, strategy, x, told)
+        draw_curve(understanding, style, x, sure)
+        draw_curve(gain, style, x, told)
     understanding.set_title("how sure the listener is of the robot's goal")
     understanding.set_ylim(-0.03, 1.03)
     understanding.set_yticks([0.0, 0.25, *levels, 1.0])

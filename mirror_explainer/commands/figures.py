@@ -38,7 +38,7 @@ class StrategyStyle:
 
     label: str
     colour: str
-    line: str
+    line: str | tuple[int, tuple[int, ...]]
     marker: str
 
     @property
@@ -62,10 +62,9 @@ STRATEGY_STYLES: Mapping[str, StrategyStyle] = {
 
 
 def draw_curve(
-    axes: Axes, strategy: str, x: Any, mean: Any, low: Any = None, high: Any = None
+    axes: Axes, style: StrategyStyle, x: Any, mean: Any, low: Any = None, high: Any = None
 ) -> None:
     """Draw one strategy's curve, with its confidence band where there is one."""
-    style = STRATEGY_STYLES[strategy]
     axes.plot(x, mean, **style.plot)
     if low is not None and high is not None:
         axes.fill_between(x, low, high, color=style.colour, alpha=0.15, linewidth=0)

@@ -417,7 +417,7 @@ def test_a_run_leaves_every_answer_behind(run):
 
     assert list(answers.columns) == [
         'participant', 'observer', 'scenario', 'strategy', 'step', 'steps', 'plan_length', 'said',
-        'goal', 'answer', 'predicted', 'correct',
+        'goal', 'answer', 'listener', 'predicted', 'correct',
     ]  # fmt: skip
     assert set(answers['observer']) == set(KINDS)
     shown = answers.groupby(['participant', 'scenario'])

@@ -8,7 +8,14 @@ from string import Formatter
 
 import pytest
 
-from mirror_explainer.experiments.study.design import assignment, presentation_order
+from mirror_explainer.experiments.study.design import (
+    BASELINES,
+    SPOKEN_TO,
+    assignment,
+    presentation_order,
+    strategies_for,
+    verbalizations,
+)
 from mirror_explainer.experiments.study.participants import Noise, simulate
 from mirror_explainer.experiments.study.plans import plan_scenario
 from mirror_explainer.experiments.study.scenarios import scenarios
@@ -74,6 +81,18 @@ def test_each_three_people_in_turn_hear_every_strategy_on_every_scenario_and_the
             assert {row[scenario] for row in dealt} == set(STRATEGIES)
 
 
+def test_with_both_listeners_the_informative_words_for_each_are_dealt_like_the_baselines():
+    design = replace(DESIGN, listeners=('planner', 'open'))
+    assert set(design.strategies) == {'informative', 'informative-open', *BASELINES}
+    for number in range(8):
+        heard = Counter(turn.strategy for turn in turns(design, number)[1:])
+        assert heard == dict.fromkeys(design.strategies, 3)
+    for four in ([0, 1, 2, 3], [4, 5, 6, 7]):
+        dealt = [{t.scenario: t.strategy for t in turns(design, number)} for number in four]
+        for scenario in (PRACTICE, *(f's{i}' for i in range(12))):
+            assert {row[scenario] for row in dealt} == set(design.strategies)
+
+
 def test_the_right_choice_is_at_each_place_for_everybody_sooner_or_later():
     first = Counter(t.choices.index(0) for number in range(60) for t in turns(DESIGN, number))
 
@@ -134,7 +153,7 @@ def test_what_is_said_next_is_what_a_step_adds():
 def test_an_encounter_has_what_the_simulated_participants_hear(planned):
     drawn = planned.scenario
 
-    met = encounter(planned)
+    met = encounter(planned, STRATEGIES)
 
     assert met.sentences == planned.model.sentences
     for order in met.orders.values():
@@ -145,6 +164,17 @@ def test_an_encounter_has_what_the_simulated_participants_hear(planned):
     assert met.orders['decreasing'][0] == len(met.sentences) - 1
     assert [choice.name for choice in met.choices] == [drawn.goals[i].name for i in drawn.shown]
     assert met.goal in [choice.name for choice in met.choices]
+
+
+def test_words_for_an_open_listener_are_of_the_same_plan_and_the_baselines_are_nobodys(planned):
+    met = encounter(planned, strategies_for(['open', 'planner']))
+
+    assert list(met.orders) == ['informative', 'informative-open', *BASELINES]
+    assert sorted(met.orders['informative-open']) == sorted(met.orders['informative'])
+    for listener in SPOKEN_TO.values():
+        model = planned.mirror_model(planned.scenario.user_model, listener=listener)
+        for strategy in BASELINES:
+            assert order_said(verbalizations(model, strategy)) == met.orders[strategy]
 
 
 def test_a_design_says_how_soon_simulated_listeners_are_sure_and_is_kept_as_it_is(planned):
@@ -177,7 +207,7 @@ def _places(text):
 
 
 def test_every_sentence_and_name_of_a_scenario_is_said_in_german(planned):
-    german, met = words('de'), encounter(planned)
+    german, met = words('de'), encounter(planned, STRATEGIES)
 
     said = [german.said(a, s) for a, s in zip(met.actions, met.sentences, strict=True)]
     assert all(sentence.startswith('Ich ') and '{' not in sentence for sentence in said)

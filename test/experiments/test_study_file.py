@@ -48,6 +48,7 @@ def test_a_study_is_read_with_its_texts_in_each_language(read):
 
 def test_nothing_has_to_be_said(read):
     assert read('title: Robots').languages == ['en']
+    assert read('listeners: [open, planner]').listeners == ['open', 'planner']
 
 
 @pytest.mark.parametrize(
@@ -68,6 +69,8 @@ def test_nothing_has_to_be_said(read):
         ('questions: [{name: a, question: b}, {name: a, question: c}]', 'is named "a" too'),
         ('questions: [{name: a}]', 'questions[0].question: this key is missing'),
         ('scenarios: 2', 'line 1: scenarios: '),
+        ('listeners: [people]', 'line 1: listeners[0]: '),
+        ('listeners: []', 'line 1: listeners: '),
         ('title: a\ntitle: b', 'line 2: title: the key "title" stands here twice'),
         ('just words', 'the study must be a mapping'),
     ],

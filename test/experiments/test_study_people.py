@@ -24,8 +24,9 @@ from mirror_explainer.experiments.study.design import (  # noqa: E402
     PEOPLE,
     Answer,
     assignment,
+    heard,
     presentation_order,
-    verbalizations,
+    strategies_for,
 )
 from mirror_explainer.experiments.study.observers import KINDS  # noqa: E402
 from mirror_explainer.experiments.study.plans import plan_scenarios  # noqa: E402
@@ -34,7 +35,8 @@ from mirror_explainer.experiments.study.scenarios import scenarios  # noqa: E402
 from mirror_explainer.experiments.study.statistics import answer_table  # noqa: E402
 from mirror_explainer.experiments.study.warehouse_floor import read_floor  # noqa: E402
 
-SCENARIOS, SEED = 3, 109
+SCENARIOS, SEED = 4, 109
+LISTENERS = ('planner', 'open')
 
 
 # The commands, with a resampling that takes less time than the thousands of a real report.
@@ -87,7 +89,9 @@ class Study:
 @pytest.fixture(scope='module')
 def study(tmp_path_factory):
     file = tmp_path_factory.mktemp('study') / 'study.sqlite3'
-    arguments = ['--scenarios', str(SCENARIOS), '--seed', str(SEED), '--port', '0']
+    texts = file.with_suffix('.yaml')
+    texts.write_text(f'{{scenarios: {SCENARIOS}, seed: {SEED}, listeners: {list(LISTENERS)}}}')
+    arguments = ['--study', str(texts), '--port', '0']
     with served([*STUDY, 'serve', '--database', str(file), *arguments]) as server:
         yield Study(file, server.url)
 
@@ -136,10 +140,10 @@ def test_the_export_gives_exactly_the_statistics_of_the_scripts(finished, export
     monkeypatch.setattr(study_statistics, 'RESAMPLES', 99)
     planned, _ = plan_scenarios(scenarios(read_floor(), SCENARIOS, SEED))
     scripted = []
-    rows = assignment(3, SCENARIOS, SEED)
+    rows = assignment(3, SCENARIOS, SEED, strategies_for(LISTENERS))
     for (name, given), strategies in zip(finished[1].items(), rows, strict=True):
         for item, strategy in zip(planned, strategies, strict=True):
-            steps = verbalizations(item.model, strategy)
+            steps = heard(item, strategy)
             for step, positions in enumerate(steps, start=1):
                 page, choice = given[item.scenario.name, step]
                 assert sorted(page.said) == sorted(item.model.sentences[i] for i in positions)
@@ -172,10 +176,10 @@ def test_people_meet_the_scenarios_in_their_own_random_order(finished, exported)
 
     for number, (name, given) in enumerate(finished[1].items()):
         met = list(dict.fromkeys(scenario for scenario, _ in given))
-        one, two, three = presentation_order(SCENARIOS, number, SEED)
+        one, two, *others = presentation_order(SCENARIOS, number, SEED)
         assert met == [
             'practice', f'scenario-{one + 1}', 'attention-1', f'scenario-{two + 1}',
-            'attention-2', f'scenario-{three + 1}',
+            'attention-2', *(f'scenario-{other + 1}' for other in others),
         ]  # fmt: skip
         of_one = times[times['participant'] == name]
         assert list(dict.fromkeys(of_one['scenario'])) == met
@@ -193,9 +197,15 @@ def test_the_report_sets_people_beside_simulated_listeners(finished, tmp_path):
         assert f'| {observer} ' in report
     assert 'took part in a browser; 3 finished' in report
     assert '## Response times' in report
+    assert f'| {PEOPLE} | settled | informative-open | informative ' in ' '.join(report.split())
     assert 'nan' not in report
     assert (tmp_path / 'user_study.png').read_bytes().startswith(b'\x89PNG')
-    assert set(pd.read_csv(tmp_path / 'answers.csv')['observer']) == {PEOPLE, *KINDS}
+    answers = pd.read_csv(tmp_path / 'answers.csv', keep_default_na=False)
+    assert set(answers['observer']) == {PEOPLE, *KINDS}
+    assert set(zip(answers['strategy'], answers['listener'], strict=True)) == {
+        ('informative', 'planner'), ('informative-open', 'open'),
+        ('increasing', ''), ('decreasing', ''),
+    }  # fmt: skip
 
 
 def test_a_person_reads_how_soon_they_were_sure_in_the_end(study, finished):
@@ -284,7 +294,7 @@ def test_wrong_answers_about_the_rules_are_explained_and_asked_again_and_counted
     assert person.post('check', **{**RIGHT, 'check-1': '2'}).status == 400
     assert 'Not quite. It can leave only' in person.page.html
     assert person.post('check', **{'check-0': '1'}).status == 400
-    assert person.post('check', **RIGHT).title == 'Encounter 1 of 5'
+    assert person.post('check', **RIGHT).title == 'Encounter 1 of 6'
     with sqlite3.connect(study.file) as database:
         query = 'SELECT checks, checked FROM web_study_participant WHERE code = ?'
         assert database.execute(query, [person.code]).fetchone() == (2, 1)
@@ -434,7 +444,11 @@ def test_answers_are_deleted_on_request_and_the_place_is_given_to_the_next(study
 @pytest.mark.parametrize(
     ('arguments', 'reason'),
     [
-        (['serve', '--seed', '4'], 'its study has 3 scenarios of seed 109, for good'),
+        (
+                ['serve', '--seed', '4'],
+                'its study has 4 scenarios of seed 109, with words for listeners of kind planner '
+                'and open, for good',
+            ),
         (['analyse'], 'nobody has finished the study yet'),
     ],
 )

@@ -20,14 +20,14 @@ def benchmark_figure(means: pd.DataFrame) -> Figure:
     for row, (measure, label) in enumerate(_ROWS):
         axes[row][0].set_ylabel(label)
         for column, domain in enumerate(domains):
-            for strategy in reversed(list(STRATEGY_STYLES)):
+            for strategy, style in reversed(list(STRATEGY_STYLES.items())):
                 curve = means[
                     (means['domain'] == domain)
                     & (means['strategy'] == strategy)
                     & (means['measure'] == measure)
                 ].sort_values('percent')
                 draw_curve(
-                    axes[row][column], strategy, curve['percent'] / 100,
+                    axes[row][column], style, curve['percent'] / 100,
                     curve['mean'], curve['low'], curve['high'],
                 )  # fmt: skip
             percent_axis(axes[row][column])

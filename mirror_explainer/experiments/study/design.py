@@ -3,9 +3,12 @@
 The same for simulated participants and for people.
 """
 
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 
+from mirror_explainer.experiments.study.plans import PlannedScenario
+from mirror_explainer.listener.listeners import OPEN, PLANNER, Listener
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import curve, informative_order
@@ -14,6 +17,11 @@ from mirror_explainer.settings import STRATEGIES
 DONT_KNOW = "I don't know"
 PEOPLE = 'people'  # the observer of an answer that was given by a person
 GROWTHS = ('order', 'sets')
+# The study's informative strategies, and whom each chooses its words for. The paper's is the
+# first; the baselines choose no words, and so are the same for every listener.
+SPOKEN_TO: Mapping[str, Listener] = {'informative': PLANNER, 'informative-open': OPEN}
+BASELINES = tuple(strategy for strategy in STRATEGIES if strategy not in SPOKEN_TO)
+PAPERS_LISTENERS = (PLANNER.kind,)
 
 
 @dataclass(frozen=True)
@@ -38,22 +46,31 @@ class Answer:
     answer: str
 
 
-def assignment(participants: int, number: int, seed: int) -> tuple[tuple[str, ...], ...]:
+def strategies_for(listeners: Iterable[str]) -> tuple[str, ...]:
+    """Return the strategies of a study with these listeners: informative for each, baselines."""
+    wanted = set(listeners)
+    informative = (name for name, listener in SPOKEN_TO.items() if listener.kind in wanted)
+    return (*informative, *BASELINES)
+
+
+def assignment(
+    participants: int, number: int, seed: int, strategies: Sequence[str] = STRATEGIES
+) -> tuple[tuple[str, ...], ...]:
     """Return the strategy of every scenario, for every participant.
 
-    Random and balanced, by Latin squares of three: each participant hears each
-    strategy equally often, and each three participants in turn hear all three
-    strategies on every scenario. Where three does not divide the numbers, as
+    Random and balanced, by Latin squares of as many as there are strategies: each participant
+    hears each strategy equally often, and each three participants in turn (four, for four
+    strategies) hear all of them on every scenario. Where that does not divide the numbers, as
     nearly so as can be.
     """
     random = Random(f'assignment {seed}')
     rows: list[tuple[str, ...]] = []
     while len(rows) < participants:
-        first = [index % len(STRATEGIES) for index in range(number)]
+        first = [index % len(strategies) for index in range(number)]
         random.shuffle(first)
-        turns = random.sample(range(len(STRATEGIES)), len(STRATEGIES))
+        turns = random.sample(range(len(strategies)), len(strategies))
         rows += [
-            tuple(STRATEGIES[(index + turn) % len(STRATEGIES)] for index in first)
+            tuple(strategies[(index + turn) % len(strategies)] for index in first)
             for turn in turns
         ]
     return tuple(rows[:participants])
@@ -62,6 +79,15 @@ def assignment(participants: int, number: int, seed: int) -> tuple[tuple[str, ..
 def presentation_order(number: int, participant: int, seed: int) -> tuple[int, ...]:
     """Return the order in which one participant, counted from 0, meets the scenarios."""
     return tuple(Random(f'order {seed} {participant}').sample(range(number), number))
+
+
+def heard(
+    planned: PlannedScenario, strategy: str, growth: str = 'order'
+) -> tuple[tuple[int, ...], ...]:
+    """Return the plan positions that one of the study's strategies has said by each step."""
+    listener = SPOKEN_TO.get(strategy, PLANNER)
+    model = planned.mirror_model(planned.scenario.user_model, listener=listener)
+    return verbalizations(model, 'informative' if strategy in SPOKEN_TO else strategy, growth)
 
 
 def verbalizations(

@@ -8,13 +8,24 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from mirror_explainer.commands.figures import STRATEGY_STYLES, draw_curve, percent_axis
+from mirror_explainer.commands.figures import (
+    STRATEGY_STYLES,
+    StrategyStyle,
+    draw_curve,
+    percent_axis,
+)
 from mirror_explainer.experiments.study.statistics import MEASURES
 
 HEADLINE = 0.85
 # Where the paper's ten people reach 0.85, as shares of the plan: "after 20 %", "half of
 # the plan", "almost all of the plan" (drawn at 95 %; the paper has no number for it).
 PAPER = {'informative': 0.2, 'decreasing': 0.5, 'increasing': 0.95}
+_STYLES = {
+    **STRATEGY_STYLES,
+    'informative-open': StrategyStyle(
+        'informative, for an open listener', '#cc79a7', (0, (5, 1, 1, 1)), 'D'
+    ),
+}
 _INCHES = 2.0  # height of a row
 
 
@@ -36,17 +47,21 @@ def study_figure(curves: pd.DataFrame, participants: Mapping[str, int]) -> Figur
     for column, measure in enumerate(MEASURES):
         axes[0][column].set_title(f'hit ratio, {MEASURES[measure]}', fontsize='medium')
     figure.legend(
-        handles=_legend(), loc='outside upper center', ncols=2, frameon=False, fontsize='medium'
+        handles=_legend(curves),
+        loc='outside upper center',
+        ncols=2,
+        frameon=False,
+        fontsize='medium',
     )
     figure.supxlabel('share of the plan that is said', fontsize='medium')
     return figure
 
 
 def _draw(axes: Axes, curves: pd.DataFrame, measure: str) -> None:
-    for strategy in reversed(list(STRATEGY_STYLES)):
+    for strategy, style in reversed(_styles(curves)):
         curve = curves[curves['strategy'] == strategy].sort_values('percent')
         draw_curve(
-            axes, strategy, curve['percent'] / 100,
+            axes, style, curve['percent'] / 100,
             curve[measure], curve[f'{measure}_low'], curve[f'{measure}_high'],
         )  # fmt: skip
     for strategy, share in PAPER.items():
@@ -55,6 +70,11 @@ def _draw(axes: Axes, curves: pd.DataFrame, measure: str) -> None:
     axes.set_xticks([0.2, 0.5, 1.0])
     axes.set_ylim(-0.03, 1.05)
     axes.set_yticks([0.0, 0.5, HEADLINE, 1.0])
+
+
+def _styles(curves: pd.DataFrame) -> list[tuple[str, StrategyStyle]]:
+    """Return the strategies that there are curves of, with their styles."""
+    return [item for item in _STYLES.items() if item[0] in set(curves['strategy'])]
 
 
 def _paper_mark(strategy: str) -> Mapping[str, Any]:
@@ -69,9 +89,9 @@ def _paper_mark(strategy: str) -> Mapping[str, Any]:
     }
 
 
-def _legend() -> list[Line2D]:
+def _legend(curves: pd.DataFrame) -> list[Line2D]:
     """Return the strategies, and beside each where the paper's participants reach 0.85."""
-    lines = [Line2D([], [], **dict(style.plot)) for style in STRATEGY_STYLES.values()]
+    lines = [Line2D([], [], **dict(style.plot)) for _, style in _styles(curves)]
     said = {
         'informative': 'after 20 %',
         'decreasing': 'after half',

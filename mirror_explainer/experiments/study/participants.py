@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from mirror_explainer.experiments.study.design import DONT_KNOW, Answer, verbalizations
+from mirror_explainer.experiments.study.design import DONT_KNOW, Answer, heard
 from mirror_explainer.experiments.study.observers import (
     KINDS,
     Theory,
@@ -16,9 +16,7 @@ from mirror_explainer.experiments.study.observers import (
     with_habits,
 )
 from mirror_explainer.experiments.study.plans import PlannedScenario
-from mirror_explainer.listener.listeners import PLANNER, Listener
 from mirror_explainer.listener.mirror_model import Floats
-from mirror_explainer.settings import STRATEGIES
 
 
 @dataclass(frozen=True)
@@ -61,19 +59,18 @@ def simulate(
     noise: Noise,
     seed: int,
     growth: str = 'order',
-    listener: Listener = PLANNER,
 ) -> Iterator[Answer]:
     """Yield every answer of one kind of observer; `strategies` has a row a participant.
-
-    The robot chooses its words for `listener`.
 
     What one participant draws in one scenario depends on nothing else, so that
     a study with more of them contains the smaller study.
     """
     number = list(KINDS).index(kind)
     theories = [theory(kind, scenario) for scenario in planned]
-    models = [p.mirror_model(p.scenario.user_model, listener=listener) for p in planned]
-    said = [{s: verbalizations(model, s, growth) for s in STRATEGIES} for model in models]
+    said = [
+        {strategy: heard(scenario, strategy, growth) for strategy in set(dealt)}
+        for scenario, dealt in zip(planned, zip(*strategies, strict=True), strict=True)
+    ]
     for person, row in enumerate(strategies):
         own = habits(
             planned[0].scenario.floor.doors, np.random.default_rng([seed, number, person])

@@ -14,13 +14,13 @@ import pandas as pd
 
 from mirror_explainer.experiments.averages import PERCENTS, mean_interval
 from mirror_explainer.experiments.markdown import markdown_table
+from mirror_explainer.experiments.study.design import SPOKEN_TO
 from mirror_explainer.experiments.study.observers import KINDS
 from mirror_explainer.experiments.study.participants import Noise, simulate
 from mirror_explainer.experiments.study.plans import plan_scenarios
 from mirror_explainer.experiments.study.scenarios import scenarios
 from mirror_explainer.experiments.study.statistics import at_percents
 from mirror_explainer.experiments.study.warehouse_floor import read_floor
-from mirror_explainer.listener.listeners import LISTENERS
 
 _FLOATS = '%.6g'
 _RESAMPLES = 9999
@@ -36,12 +36,16 @@ def simulated_speakers(
     tables = []
     for seed in range(studies):
         planned, _ = plan_scenarios(scenarios(floor, number, seed))
-        strategies = [('informative',) * len(planned)] * participants
-        for speaker, listener in LISTENERS.items():
+        for strategy, listener in SPOKEN_TO.items():
+            strategies = [(strategy,) * len(planned)] * participants
             answers = [
-                {**asdict(answer), 'scenario': f'{seed} {answer.scenario}', 'speaker': speaker}
+                {
+                    **asdict(answer),
+                    'scenario': f'{seed} {answer.scenario}',
+                    'speaker': listener.kind,
+                }
                 for kind in kinds
-                for answer in simulate(planned, kind, strategies, noise, seed, listener=listener)
+                for answer in simulate(planned, kind, strategies, noise, seed)
             ]
             tables.append(pd.DataFrame(answers))
     return pd.concat(tables, ignore_index=True)

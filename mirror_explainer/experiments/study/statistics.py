@@ -18,17 +18,27 @@ from mirror_explainer.experiments.averages import (
     paired_p,
     said_at,
 )
-from mirror_explainer.experiments.study.design import DONT_KNOW, PEOPLE, Answer
-from mirror_explainer.settings import STRATEGIES
+from mirror_explainer.experiments.study.design import (
+    BASELINES,
+    DONT_KNOW,
+    PEOPLE,
+    SPOKEN_TO,
+    Answer,
+)
 
 # Two readings of the paper's hit ratio: is "I don't know" a prediction that missed, or none?
 MEASURES = {'hit_ratio': 'of predictions', 'hit_ratio_of_answers': 'of all answers'}
 
 
 def answer_table(answers: Iterable[Answer]) -> pd.DataFrame:
-    """Return one row an answer, with whether it names a goal and whether that is the robot's."""
+    """Return one row an answer, with whether it names a goal and whether that is the robot's.
+
+    `listener` is whom the words are chosen for, empty where they are not chosen.
+    """
     columns = [field.name for field in fields(Answer)]
     table = pd.DataFrame([asdict(answer) for answer in answers], columns=columns)
+    kinds = {strategy: listener.kind for strategy, listener in SPOKEN_TO.items()}
+    table['listener'] = table['strategy'].map(kinds)
     table['predicted'] = table['answer'] != DONT_KNOW
     table['correct'] = table['answer'] == table['goal']
     return table
@@ -110,17 +120,27 @@ def earliest_steps(answers: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
+def informative_of(strategies: Iterable[str]) -> list[str]:
+    """Return the informative strategies among these, the paper's first."""
+    among = set(strategies)
+    return [strategy for strategy in SPOKEN_TO if strategy in among]
+
+
 def mean_tests(earliest: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     """Test μ_inf < μ_inc and μ_inf < μ_dec, μ the mean earliest step, as the paper does.
 
-    A permutation test of paired means, one-sided. Each participant hears all three
+    With words for an open listener as well, these are tested likewise, and against the words
+    for a planner, which are a baseline then.
+
+    A permutation test of paired means, one-sided. Each participant hears all of the
     strategies, so that differences between people cancel in the pair of means, which
     is one observation however many scenarios lie behind it. Strategies are dealt to
     scenarios at random, so that without an effect the two means of a pair could as
     well be exchanged: the test needs no more than that, no normal steps (they are
-    small integers, cut off at the plan's end) and no large sample. Since three
-    participants in turn hear every strategy on every scenario, hard scenarios cancel
-    in their means, which the test doesn't count on: it errs on the side of caution.
+    small integers, cut off at the plan's end) and no large sample. Since as many
+    participants as there are strategies, in turn, hear every strategy on every scenario,
+    hard scenarios cancel in their means, which the test doesn't count on: it errs on the
+    side of caution.
     It is exact up to 13 participants, and draws 9999 exchanges beyond. `p_holm` is
     corrected for all tests of the table. Of simulated observers p would only
     measure how many of them were simulated: it is left out.
@@ -129,18 +149,21 @@ def mean_tests(earliest: pd.DataFrame, seed: int = 0) -> pd.DataFrame:
     for measure in ('settled', 'first_right'):
         for observer, group in earliest.groupby('observer', sort=False):
             means = group.pivot_table(index='participant', columns='strategy', values=measure)
-            means = means.reindex(columns=list(STRATEGIES))
-            for baseline in ('increasing', 'decreasing'):
-                pairs = means[['informative', baseline]].dropna()
+            told = informative_of(group['strategy'])
+            means = means.reindex(columns=[*told, *BASELINES])
+            tested = [(strategy, baseline) for strategy in told for baseline in BASELINES]
+            for strategy, baseline in [*tested, *zip(told[1:], told, strict=False)]:
+                pairs = means[[strategy, baseline]].dropna()
                 rows.append(
                     {
                         'observer': observer,
                         'measure': measure,
+                        'strategy': strategy,
                         'baseline': baseline,
                         'participants': len(pairs),
-                        'mean_informative': pairs['informative'].mean(),
+                        'mean_informative': pairs[strategy].mean(),
                         'mean_baseline': pairs[baseline].mean(),
-                        'p': paired_p(pairs['informative'], pairs[baseline], seed)
+                        'p': paired_p(pairs[strategy], pairs[baseline], seed)
                         if observer == PEOPLE
                         else np.nan,
                     }

@@ -1,11 +1,21 @@
 """What a study found, in a table for the terminal: how soon answers are right for good."""
 
+from itertools import product
 from math import isnan
 
 from mirror_explainer.commands.terminal import tell_table
 from mirror_explainer.experiments.study.report import Results
 
-_COLUMNS = ('observer', 'n', 'informative', 'decreasing', 'increasing', 'p (dec.)', 'p (inc.)')
+_COLUMNS = (
+    'observer',
+    'strategy',
+    'n',
+    'informative',
+    'decreasing',
+    'increasing',
+    'p (dec.)',
+    'p (inc.)',
+)
 
 
 def tell_summary(found: Results) -> None:
@@ -15,12 +25,13 @@ def tell_summary(found: Results) -> None:
     nothing of chance: that does p, corrected by Holm, of people alone.
     """
     settled = found.tests[found.tests['measure'] == 'settled'].to_dict('records')
-    tests = {(row['observer'], row['baseline']): row for row in settled}
+    tests = {(row['observer'], row['strategy'], row['baseline']): row for row in settled}
     rows = []
-    for observer in found.observers:
-        both = [tests[observer, baseline] for baseline in ('decreasing', 'increasing')]
+    for observer, strategy in product(found.observers, found.informative):
+        both = [tests[observer, strategy, baseline] for baseline in ('decreasing', 'increasing')]
         cells = (
             observer,
+            strategy,
             f'{both[0]["participants"]}',
             f'{both[0]["mean_informative"]:.1f}',
             *(f'{test["mean_baseline"]:.1f}' for test in both),

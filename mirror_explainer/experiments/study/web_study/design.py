@@ -11,14 +11,16 @@ from random import Random
 from pydantic import TypeAdapter
 
 from mirror_explainer.experiments.study.design import (
+    PAPERS_LISTENERS,
+    SPOKEN_TO,
     assignment,
+    heard,
     presentation_order,
-    verbalizations,
+    strategies_for,
 )
 from mirror_explainer.experiments.study.participants import Noise, simulate
 from mirror_explainer.experiments.study.plans import PlannedScenario
 from mirror_explainer.experiments.study.scenarios import Floor, Scenario, scenarios
-from mirror_explainer.settings import STRATEGIES
 
 PRACTICE = 'practice'
 ATTENTION = 'attention'  # the strategy of those encounters, too: the goal is told outright
@@ -89,7 +91,8 @@ class Design:
     `drawn` scenarios were drawn from the seed; `encounters` are those that could be
     planned for. `attention` are trials in between that show whether somebody listens: the
     robot tells its goal outright. `sure_after` is the mean number of sentences after which
-    simulated listeners are sure of the goal, of every strategy.
+    simulated listeners are sure of the goal, of every strategy, whomever it speaks to.
+    `listeners` are those for whom informative words are chosen.
     """
 
     seed: int
@@ -99,6 +102,12 @@ class Design:
     encounters: tuple[Encounter, ...]
     attention: tuple[Encounter, ...] = ()
     sure_after: dict[str, float] = field(default_factory=dict)
+    listeners: tuple[str, ...] = PAPERS_LISTENERS
+
+    @property
+    def strategies(self) -> tuple[str, ...]:
+        """What participants hear: informative for each of the listeners, and the baselines."""
+        return strategies_for(self.listeners)
 
     def encounter(self, name: str) -> Encounter:
         """Return an encounter by its name, the practice and the attention trials among them."""
@@ -113,23 +122,29 @@ def practice_scenario(floor: Floor) -> Scenario:
 
 
 def design(
-    seed: int, drawn: int, practice: PlannedScenario, planned: Sequence[PlannedScenario]
+    seed: int,
+    drawn: int,
+    practice: PlannedScenario,
+    planned: Sequence[PlannedScenario],
+    listeners: Sequence[str] = PAPERS_LISTENERS,
 ) -> Design:
     """Return the study of these scenarios."""
     floor = practice.scenario.floor
+    strategies = strategies_for(listeners)
     return Design(
         seed=seed,
         drawn=drawn,
         domain=floor.domain,
-        practice=encounter(practice),
-        encounters=tuple(map(encounter, planned)),
+        practice=encounter(practice, strategies),
+        encounters=tuple(encounter(each, strategies) for each in planned),
         attention=tuple(map(attention_trial, scenarios(floor, ATTENTION_TRIALS, _ATTENTION_SEED))),
-        sure_after=_sure_after(planned, seed),
+        sure_after=_sure_after(planned, seed, strategies),
+        listeners=tuple(listeners),
     )
 
 
-def encounter(planned: PlannedScenario) -> Encounter:
-    """Return the scenario as participants meet it."""
+def encounter(planned: PlannedScenario, strategies: Sequence[str]) -> Encounter:
+    """Return the scenario as participants meet it, told by these strategies."""
     scenario = planned.scenario
     return Encounter(
         name=scenario.name,
@@ -137,7 +152,7 @@ def encounter(planned: PlannedScenario) -> Encounter:
         choices=_choices(scenario),
         goal=scenario.goals[scenario.goal].name,
         sentences=planned.model.sentences,
-        orders={s: order_said(verbalizations(planned.model, s)) for s in STRATEGIES},
+        orders={strategy: order_said(heard(planned, strategy)) for strategy in strategies},
         actions=tuple(planned.plan.actions),
     )
 
@@ -168,14 +183,14 @@ def turns(design: Design, number: int) -> list[Turn]:
     strategies from one participant to the next; attention trials part the study evenly.
     """
     count = len(design.encounters)
-    strategies = assignment(number + 1, count, design.seed)[number]
+    strategies = assignment(number + 1, count, design.seed, design.strategies)[number]
     met = [
         (design.encounters[index], strategies[index])
         for index in presentation_order(count, number, design.seed)
     ]
     for index, trial in reversed(list(enumerate(design.attention, start=1))):
         met.insert(index * count // (len(design.attention) + 1), (trial, ATTENTION))
-    met.insert(0, (design.practice, STRATEGIES[number % len(STRATEGIES)]))
+    met.insert(0, (design.practice, design.strategies[number % len(design.strategies)]))
     random = Random(f'choices {design.seed} {number}')
     return [
         Turn(
@@ -206,12 +221,20 @@ def from_json(text: str) -> Design:
     return _ADAPTER.validate_json(text)
 
 
-def _sure_after(planned: Sequence[PlannedScenario], seed: int) -> dict[str, float]:
+def without_listener(strategy: str) -> str:
+    """Return the strategy whomever it speaks to: one name for all that is informative."""
+    return 'informative' if strategy in SPOKEN_TO else strategy
+
+
+def _sure_after(
+    planned: Sequence[PlannedScenario], seed: int, strategies: Sequence[str]
+) -> dict[str, float]:
     # Not before the extras are known to be there.
     from mirror_explainer.experiments.study.statistics import answer_table, earliest_steps
 
-    strategies = assignment(SIMULATED_PARTICIPANTS, len(planned), seed)
-    answers = answer_table(simulate(planned, SIMULATED, strategies, Noise(), seed))
+    rows = assignment(SIMULATED_PARTICIPANTS, len(planned), seed, strategies)
+    answers = answer_table(simulate(planned, SIMULATED, rows, Noise(), seed))
+    answers['strategy'] = answers['strategy'].map(without_listener)
     means = earliest_steps(answers).groupby('strategy')['settled'].mean()
     return {strategy: float(means[strategy]) for strategy in means.index}
 

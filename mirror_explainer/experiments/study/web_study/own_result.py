@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mirror_explainer.experiments.study.design import DONT_KNOW, Answer
+from mirror_explainer.experiments.study.web_study.design import without_listener
 
 WIDTH, ROW = 640, 56
 _LEFT, _RIGHT, _TOP = 160, 610, 12
@@ -41,7 +42,9 @@ def encountered(answers: Sequence[Answer]) -> list[Encountered]:
     for answer in answers:
         of.setdefault(answer.scenario, []).append(answer)
     return [
-        Encountered(name, given[0].goal, given[0].strategy, tuple(map(_mark, given)))
+        Encountered(
+            name, given[0].goal, without_listener(given[0].strategy), tuple(map(_mark, given))
+        )
         for name, given in of.items()
     ]
 

@@ -45,14 +45,14 @@ def analyse(file: Path, folder: Path) -> None:
         raise InputError(str(file), 'nobody has finished the study yet')
     folder.mkdir(parents=True, exist_ok=True)
     planned, left_out = plan_scenarios(scenarios(read_floor(), found.drawn, found.seed))
-    if tuple(map(encounter, planned)) != found.encounters:
+    if tuple(encounter(each, found.strategies) for each in planned) != found.encounters:
         raise InputError(
             str(file),
             'its scenarios or their plans are not those that this version of the package and '
             'of the planner make, so that simulated participants would hear something else',
             cure='"export" writes what people answered.',
         )
-    strategies = assignment(SIMULATED_PARTICIPANTS, len(planned), found.seed)
+    strategies = assignment(SIMULATED_PARTICIPANTS, len(planned), found.seed, found.strategies)
     for kind in KINDS:
         answers += simulate(planned, kind, strategies, Noise(), found.seed)
     computed = results(answer_table(answers), found.seed)

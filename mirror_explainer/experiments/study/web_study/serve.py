@@ -1,9 +1,11 @@
 """Serving the study, on a database that is designed before the first participant comes."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.experiments.study.design import PAPERS_LISTENERS, strategies_for
 from mirror_explainer.experiments.study.plans import plan_scenario, plan_scenarios
 from mirror_explainer.experiments.study.scenarios import scenarios
 from mirror_explainer.experiments.study.warehouse_floor import read_floor
@@ -27,26 +29,38 @@ def serve_study(
     with faults, PlanningError, and OSError.
     """
     study = read_study_file(study_file) if study_file else None
+    listeners: Sequence[str] | None = None
     if study:
         number = study.scenarios if number is None else number
         seed = study.seed if seed is None else seed
-    found, _, key = open_database(
-        file, lambda: _made(number or SCENARIOS, seed or SEED), address, study
-    )
-    if number not in (None, found.drawn) or seed not in (None, found.seed):
+        listeners = study.listeners
+
+    def make() -> Design:
+        return _made(number or SCENARIOS, seed or SEED, listeners or PAPERS_LISTENERS)
+
+    found, _, key = open_database(file, make, address, study)
+    others = listeners is not None and strategies_for(listeners) != found.strategies
+    if number not in (None, found.drawn) or seed not in (None, found.seed) or others:
         raise InputError(
             str(file),
-            f'its study has {found.drawn} scenarios of seed {found.seed}, for good',
+            f'its study has {found.drawn} scenarios of seed {found.seed}, with words for '
+            f'listeners of kind {" and ".join(found.listeners)}, for good',
             cure='Name another --database for another study.',
         )
     serve(address, {'For the researcher alone': f'researcher?key={key}'})
 
 
-def _made(number: int, seed: int) -> Design:
+def _made(number: int, seed: int, listeners: Sequence[str]) -> Design:
     """Draw the scenarios of a study, and plan for them."""
+    strategies = strategies_for(listeners)
+    if number < len(strategies):
+        reason = (
+            f'{number} scenarios are too few for everybody to hear {len(strategies)} strategies'
+        )
+        raise InputError('the study', reason, cure='Let it have more, or one listener.')
     print('user_study: preparing the scenarios, once', file=sys.stderr)
     floor = read_floor()
     planned, _ = plan_scenarios(scenarios(floor, number, seed))
     with Planner() as planner:
         practice = plan_scenario(practice_scenario(floor), planner)
-    return design(seed, number, practice, planned)
+    return design(seed, number, practice, planned, listeners)

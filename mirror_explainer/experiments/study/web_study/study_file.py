@@ -78,6 +78,7 @@ class StudyFile(_Section):
     # Fixed once the study has begun; None: as usual.
     scenarios: Annotated[int, Field(ge=LEAST_SCENARIOS, le=100)] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
+    listeners: Annotated[list[Literal['planner', 'open']], Field(min_length=1)] | None = None
 
     def text(self, texts: Mapping[str, str] | None, language: str) -> str:
         """Return a text in a language, '' where there is none."""
