@@ -17,7 +17,7 @@ from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.pddl.progress import StepStatus
-from mirror_explainer.pddl.situation import NEW_TASK, Situation
+from mirror_explainer.pddl.situation import NEW_TASK, REPLANNED, Situation
 from mirror_explainer.planning import Plan
 from mirror_explainer.selection.choice import (
     Selection,
@@ -109,7 +109,7 @@ def _opening(preparation: Preparation, last_episode: int | None) -> str:
     situation, phrases = preparation.situation, preparation.sentences.phrases
     if situation is None or last_episode in (None, situation.number):
         return ''
-    return phrases.new_task if situation.reason == NEW_TASK else phrases.replanned
+    return {NEW_TASK: phrases.new_task, REPLANNED: phrases.replanned}.get(situation.reason, '')
 
 
 def _selection(

@@ -19,13 +19,15 @@ from mirror_explainer.commands.offline import (
     strategy_curves,
 )
 from mirror_explainer.commands.options import number
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.listener.listeners import chosen
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import informative_order
 from mirror_explainer.selection.enumeration import TIE
 from mirror_explainer.settings import LISTENERS, STRATEGIES
+from mirror_explainer.text_files import write_text
 
 # How sure of the goal the listener should be; 0.85 is the paper's headline.
 LEVELS = (0.5, 0.85, 0.95)
@@ -40,23 +42,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
         preparation = prepare_as_asked(options)
         model = preparation.model_for(chosen(preparation.listener, options.listener))
         for warning in preparation.warnings:
-            print(f'compare: warning: {warning}', file=sys.stderr)
+            tell_warning('compare', warning)
         if not model.sentences:
             raise InputError(
                 options.problem, "the robot's goal is reached: nothing is left to say"
             )
         curves = strategy_curves(model, budget=options.selection_budget)
-        print('\n\n'.join([spoken_orders(model), gains(curves), levels(curves), hint(curves)]))
+        tables = '\n\n'.join([spoken_orders(model), gains(curves), levels(curves)])
         if options.output:
+            write_text(options.output, f'{tables}\n\n{hint(curves)}\n')
+        else:
+            tell(f'{tables}\n')
+            tell(hint(curves), 'bold green')
+        if options.figure:
             # Not before the extras are known to be there.
             from mirror_explainer.commands.compare_figure import comparison_figure
             from mirror_explainer.commands.figures import save
 
-            path = options.output.with_suffix('') if _is_image(options.output) else options.output
+            path = options.figure.with_suffix('') if _is_image(options.figure) else options.figure
             png, svg = save(comparison_figure(model, curves, LEVELS), path)
             print(f'\nFigure: {png}, {svg}')
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'compare: {told(error)}', file=sys.stderr)
+        tell_error('compare', error)
         return 2
     except KeyboardInterrupt:
         return 130
@@ -159,10 +166,12 @@ def _is_image(path: Path) -> bool:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='compare',
-        description='Set the three strategies side by side on your own domain.',
-        epilog='Exit status: 0, or 2 for bad input.',
+    command = 'python3 -m mirror_explainer.commands.compare --domain D --problem P --user-model U'
+    parser = command_parser(
+        'compare',
+        'Set the three strategies side by side on your own domain.',
+        command,
+        f'{command} --listener planner --figure compared',
     )
     add_file_arguments(parser)
     parser.add_argument(
@@ -174,8 +183,9 @@ def _parser() -> argparse.ArgumentParser:
         '--selection-budget', type=number(0), default=10.0, metavar='S', help='default 10 s'
     )
     output.add_argument(
-        '--output', type=Path, metavar='FILE', help='draw the figure: FILE.png and FILE.svg'
+        '--figure', type=Path, metavar='FILE', help='draw a figure: FILE.png and FILE.svg'
     )
+    output.add_argument('--output', metavar='FILE', help='write there instead of printing')
     return parser
 
 

@@ -15,7 +15,8 @@ from mirror_explainer.commands.drafting.goals import Candidate, candidates
 from mirror_explainer.commands.drafting.patterns import World
 from mirror_explainer.commands.drafting.words import drafted_words
 from mirror_explainer.commands.options import add_settings, settings_from
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.goals_seen import read_goals_seen
 from mirror_explainer.listener.preparation import RobotPlan, prepare, refine
@@ -37,11 +38,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         text, answers = _draft(options)
         if options.output:
             write_text(options.output, text)
-            print(answers, flush=True)
+            tell(answers, 'bold green')
         else:
-            print(text, flush=True)
+            tell(text)
     except (InputError, PlanningError, OSError) as error:
-        print(f'draft_user_model: {told(error)}', file=sys.stderr)
+        tell_error('draft_user_model', error)
         return 2
     except KeyboardInterrupt:
         return 130
@@ -128,10 +129,12 @@ def _answers(
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='draft_user_model',
-        description="Draft a user model from a robot's domain, problem and plan.",
-        epilog='Exit status: 0, or 2 for bad input.',
+    command = 'python3 -m mirror_explainer.draft_user_model --domain D --problem P'
+    parser = command_parser(
+        'draft_user_model',
+        "Draft a user model from a robot's domain, problem and plan.",
+        command,
+        f'{command} --plan plan.txt --goals-seen goals.txt --output user_model.yaml',
     )
     files = parser.add_argument_group('input')
     files.add_argument('--domain', required=True, help='PDDL domain')
@@ -146,7 +149,7 @@ def _parser() -> argparse.ArgumentParser:
         help='goals that the robot had before, as the node counts them, or one a line',
     )
     add_settings(parser.add_argument_group('planning'), PlanningSettings)
-    parser.add_argument('--output', metavar='FILE', help='write the model there')
+    parser.add_argument('--output', metavar='FILE', help='write there instead of printing')
     return parser
 
 

@@ -1,33 +1,66 @@
-"""What a command says on a terminal: errors and numbers in colour, and never in a pipe."""
+"""How all commands speak: their help, and on a terminal, never in a pipe, in colour."""
 
 import argparse
 import sys
+import textwrap
 from collections.abc import Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
+from typing import TextIO
 
 from mirror_explainer.errors import told
 
+_WIDTH = 79  # of the texts in a command's help
 
-def add_version(parser: argparse.ArgumentParser) -> None:
-    """Let a command take --version."""
+
+def command_parser(
+    name: str,
+    description: str,
+    *examples: str,
+    ends: str = 'Exit status: 0, or 2 for bad input.',
+) -> argparse.ArgumentParser:
+    """Return a command's parser, which takes --version; its help ends with examples.
+
+    `ends` is what it says last.
+    """
+    shown = '\n'.join(f'  {example}' for example in examples)
+    parser = argparse.ArgumentParser(
+        prog=name,
+        description=textwrap.fill(description, _WIDTH),
+        epilog=f'examples:\n{shown}\n\n{textwrap.fill(ends, _WIDTH)}',
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     try:
         number = version('mirror_explainer')
     except PackageNotFoundError:  # run from its sources
         number = 'unknown'
     parser.add_argument('--version', action='version', version=f'%(prog)s {number}')
+    return parser
+
+
+def tell(text: str, style: str = '') -> None:
+    """Print a text on stdout; on a terminal in this style, where rich is there to do so."""
+    _print(text, style, sys.stdout)
+
+
+def tell_warning(program: str, warning: str) -> None:
+    """Tell a warning on stderr; on a terminal in yellow, likewise."""
+    _print(f'{program}: warning: {warning}', 'yellow', sys.stderr)
 
 
 def tell_error(program: str, error: Exception) -> None:
-    """Tell an error on stderr; on a terminal in red, where rich is there to do so."""
-    line = f'{program}: {told(error)}'
-    if find_spec('rich') is None or not sys.stderr.isatty():
-        print(line, file=sys.stderr)
+    """Tell an error on stderr; on a terminal in red, likewise."""
+    _print(f'{program}: {told(error)}', 'bold red', sys.stderr)
+
+
+def _print(text: str, style: str, file: TextIO) -> None:
+    if not style or not file.isatty() or find_spec('rich') is None:
+        print(text, file=file, flush=True)
         return
     from rich.console import Console
     from rich.text import Text
 
-    Console(stderr=True).print(Text(line, 'bold red'))
+    Console(file=file).print(Text(text, style), soft_wrap=True)
 
 
 def tell_table(

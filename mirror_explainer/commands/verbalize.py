@@ -17,7 +17,8 @@ from mirror_explainer.commands.offline import (
 )
 from mirror_explainer.commands.options import add_settings, settings_from, whole
 from mirror_explainer.commands.score import score_table, scores
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import explain
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.selection.choice import informative_order
@@ -33,23 +34,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.basicConfig(format='verbalize: %(levelname)s: %(message)s', force=True)
     _log.setLevel(options.log_level.upper())
     try:
-        text = _verbalize(options)
+        answer, *others = _verbalize(options)
         if options.output:
-            write_text(options.output, text + '\n')
+            write_text(options.output, '\n\n'.join([answer, *others]) + '\n')
         else:
-            print(text, flush=True)
+            tell(answer, '' if options.json else 'bold green')
+            for part in others:
+                print(f'\n{part}', flush=True)
     except BrokenPipeError:  # whoever reads has enough, as `head` has
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (InputError, PlanningError, OSError) as error:
-        print(f'verbalize: {told(error)}', file=sys.stderr)
+        tell_error('verbalize', error)
         return 2
     except KeyboardInterrupt:
         return 130
     return 0
 
 
-def _verbalize(options: argparse.Namespace) -> str:
-    """Return what the command prints."""
+def _verbalize(options: argparse.Namespace) -> list[str]:
+    """Return what the command prints, the answer first."""
     preparation = prepare_as_asked(options)
     for warning in preparation.warnings:
         _log.warning('%s', warning)
@@ -74,12 +77,12 @@ def _verbalize(options: argparse.Namespace) -> str:
         extra: dict[str, Any] = {'order': order} if order is not None else {}
         extra |= {'score': score} if score is not None else {}
         extra |= {'curve': curves} if curves is not None else {}
-        return json.dumps(explanation.as_dict() | extra, indent=2, ensure_ascii=False)
+        return [json.dumps(explanation.as_dict() | extra, indent=2, ensure_ascii=False)]
     parts = [explanation.spoken, in_words(explanation)]
     parts += [score_table(score, explanation.understanding_before)] if score is not None else []
     parts += [_order_table(order)] if order is not None else []
     parts += [_curve_table(curves)] if curves is not None else []
-    return '\n\n'.join(parts)
+    return parts
 
 
 def _order(explanation: Explanation) -> list[dict[str, Any]]:
@@ -126,10 +129,13 @@ def _nats(value: float) -> float:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='verbalize',
-        description="Say the few actions of a robot's plan that tell the listener most.",
-        epilog='Exit status: 0, or 2 for bad input.',
+    command = 'python3 -m mirror_explainer.verbalize --domain D --problem P --user-model U'
+    parser = command_parser(
+        'verbalize',
+        "Say the few actions of a robot's plan that tell the listener most.",
+        command,
+        f'{command} --plan plan.txt -n 2 --order',
+        f'{command} --json --output answer.json',
     )
     files = add_file_arguments(parser)
     files.add_argument(

@@ -3,7 +3,6 @@
 For whoever does not program in Python; who does may call `TaskList` from the robot's own node.
 """
 
-import argparse
 from collections.abc import Sequence
 
 from rcl_interfaces.msg import ParameterDescriptor
@@ -12,6 +11,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
+from mirror_explainer.commands.terminal import command_parser
 from mirror_explainer.demo.run import run
 from mirror_explainer.errors import InputError, told
 from mirror_explainer.node.task_list import LATCHED, TaskList, parsed_tasks
@@ -48,10 +48,12 @@ class TaskListRobot(Node):
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
-    parser = argparse.ArgumentParser(
+    command = 'ros2 run mirror_explainer task_list_robot'
+    parser = command_parser(
         'task_list_robot',
-        description='Tell the explainer the tasks that are heard on the topic "tasks".',
-        epilog="Parameters follow --ros-args: -p known_tasks:='[boil water, fetch the cup]'.",
+        'Tell the explainer the tasks that are heard on the topic "tasks".',
+        f"{command} --ros-args -p known_tasks:='[boil water, fetch the cup]'",
+        ends='Parameters follow --ros-args.',
     )
     run(TaskListRobot, parser, args)
 

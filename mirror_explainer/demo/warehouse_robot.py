@@ -4,7 +4,6 @@ After every step it republishes its problem, with the state as it now is, and th
 that remains, as a robot's own stack may; or the plan once, and then only its state.
 """
 
-import argparse
 from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +14,9 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
+from mirror_explainer.commands.terminal import command_parser
 from mirror_explainer.demo.run import run
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_check import check_plan
@@ -33,6 +34,9 @@ class WarehouseRobot(Node):
         * **domain**: once
         * **problem**: with the state as it is after each step
         * **plan**: what is left of it, or, once for all, all of it (`plan_once`)
+
+    Services:
+        * **~/restart** (std_srvs/Trigger): begin again, wherever it is
 
     Parameters, all read-only:
         * **domain_file**, **problem_file**, **plan_file**: another robot than the example
@@ -66,22 +70,22 @@ class WarehouseRobot(Node):
         ).value
         domain, problem = read_text(domain_file), read_text(problem_file)
         task = read_task(domain, problem, domain_file, problem_file)
-        self._left = list(read_plan(read_text(plan_file), plan_file))
-        run = check_plan(task, self._left, plan_file)
+        self._steps = read_plan(read_text(plan_file), plan_file)
+        run = check_plan(task, self._steps, plan_file)
         # The steps in the order in which they end, and the problem after each.
         problems = (with_state(problem, state) for state in run.states[1:])
-        steps = [self._left[position] for position in run.positions]
-        self._ahead = deque(zip(steps, problems, strict=True))
+        steps = [self._steps[position] for position in run.positions]
+        self._run = list(zip(steps, problems, strict=True))
+        self._initial = problem
         self._domain = self.create_publisher(String, 'domain', LATCHED)
         self._problem = self.create_publisher(String, 'problem', LATCHED)
         self._plan = self.create_publisher(String, 'plan', LATCHED)
         self._domain.publish(String(data=domain))
-        self._problem.publish(String(data=problem))
-        self._publish_plan()
-        if period:
-            # Not the node's clock, which stands still when the system's is set back.
-            steady = Clock(clock_type=ClockType.STEADY_TIME)
-            self._timer = self.create_timer(period, self._step, clock=steady)
+        # Not the node's clock, which stands still when the system's is set back.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = self.create_timer(period, self._step, clock=steady) if period else None
+        self._begin()
+        self.create_service(Trigger, '~/restart', self._on_restart)
 
     def _file(self, name: str, default: Path) -> str:
         """Return the path that a parameter gives."""
@@ -91,10 +95,24 @@ class WarehouseRobot(Node):
         path: str = self.declare_parameter(name, str(default), descriptor).value
         return path
 
+    def _begin(self) -> None:
+        """Publish the initial state and the whole plan; the first step takes its time."""
+        self._left = list(self._steps)
+        self._ahead = deque(self._run)
+        self._problem.publish(String(data=self._initial))
+        self._publish_plan()
+        if self._timer is not None:
+            self._timer.reset()
+
+    def _on_restart(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._begin()
+        self.get_logger().info('began again')
+        response.success = True
+        return response
+
     def _step(self) -> None:
-        """Carry out the first action of the plan that remains."""
+        """Carry out the first action of the plan that remains, if one does."""
         if not self._ahead:
-            self._timer.cancel()
             return
         step, problem = self._ahead.popleft()
         self._left.remove(step)
@@ -117,11 +135,15 @@ def _line(step: Step) -> str:
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the robot until it is interrupted."""
-    parser = argparse.ArgumentParser(
+    command = 'ros2 run mirror_explainer warehouse_robot'
+    parser = command_parser(
         'warehouse_robot',
-        description='Publish a domain, a problem and a plan, and carry the plan out.',
-        epilog='Parameters follow --ros-args: -p step_period:=5.0, plan_once:=true, and '
-        'domain_file, problem_file and plan_file for another robot than the example.',
+        'Publish a domain, a problem and a plan, and carry the plan out.',
+        f'{command} --ros-args -p step_period:=5.0',
+        f'{command} --ros-args -p step_period:=5.0 -p plan_once:=true',
+        'ros2 service call /warehouse_robot/restart std_srvs/srv/Trigger',
+        ends='Parameters follow --ros-args: step_period, plan_once, and domain_file, problem_file '
+        'and plan_file for another robot than the example.',
     )
     run(WarehouseRobot, parser, args)
 

@@ -31,6 +31,7 @@ from mirror_explainer.node.plansys2_execution import (
     goal_of,
 )
 from mirror_explainer.node.plansys2_messages import Messages, plansys2_messages
+from mirror_explainer.node.surroundings import package_version
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MANY = QoSProfile(depth=1000)  # one message an action and second, all at once
@@ -283,9 +284,10 @@ def main(args: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(
         'plansys2_bridge',
         description="Tell the explainer PlanSys2's domain, problem, plan and progress.",
-        epilog='Remappings and the like follow --ros-args: -r __ns:=/robot for the robot whose '
-        'PlanSys2 runs in the namespace /robot.',
+        epilog='example: ros2 run mirror_explainer plansys2_bridge --ros-args -r __ns:=/robot, '
+        'for the robot whose PlanSys2 runs in the namespace /robot.',
     )
+    parser.add_argument('--version', action='version', version=f'%(prog)s {package_version()}')
     parser.parse_args(remove_ros_args(args)[1:])
     try:
         messages = plansys2_messages()

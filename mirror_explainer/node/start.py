@@ -14,7 +14,9 @@ def argument_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='explainer_node',
         description='Say on request what the robot is up to, in the few most telling steps.',
-        epilog='Parameters, remappings and the like follow --ros-args.',
+        epilog='example: ros2 run mirror_explainer explainer_node --log-level debug --ros-args '
+        '-p user_model_file:=user_model.yaml. Parameters, remappings and the like follow '
+        '--ros-args.',
     )
     parser.add_argument(
         '--log-level',
@@ -22,7 +24,7 @@ def argument_parser() -> argparse.ArgumentParser:
         choices=LOG_LEVELS,
         help="log this node's own lines from this level up (default info)",
     )
-    parser.add_argument('--version', action='version', version=package_version())
+    parser.add_argument('--version', action='version', version=f'%(prog)s {package_version()}')
     return parser
 
 

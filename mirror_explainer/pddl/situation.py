@@ -13,7 +13,7 @@ from mirror_explainer.pddl.progress import Progress, read_progress
 from mirror_explainer.pddl.states import Evaluator
 from mirror_explainer.pddl.task import Task
 
-FIRST, REPLANNED, NEW_TASK = 'first', 'replanned', 'new task'
+FIRST, REPLANNED, NEW_TASK, AGAIN = 'first', 'replanned', 'new task', 'again'
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,9 @@ class Situation:
     """An episode of the robot, the `number`-th, and how far its plan is.
 
     `domain` and `problem` are the texts of its task, with the state in which it began;
-    `reason` is why it began: FIRST, REPLANNED for the same goal, or NEW_TASK. `seen` is the
-    progress that states show, `told` what the robot itself says of it, if it does.
-    `takes_up_goal` says that it is not a new plan for the goal of the episode before, which was
-    not reached yet.
+    `reason` is why it began: FIRST, REPLANNED for the same goal, AGAIN for that once it was
+    reached, or NEW_TASK. `seen` is the progress that states show, `told` what the robot itself
+    says of it, if it does.
     """
 
     episode: Episode
@@ -35,7 +34,11 @@ class Situation:
     reason: str = FIRST
     began: datetime | None = None
     told: Progress | None = None
-    takes_up_goal: bool = True
+
+    @property
+    def takes_up_goal(self) -> bool:
+        """Whether this is not a new plan for a goal that was not reached yet."""
+        return self.reason != REPLANNED
 
     @property
     def progress(self) -> Progress:
@@ -103,12 +106,9 @@ def next_situation(
         if seen is not None:
             return replace(before, seen=seen)
     new = situation_of(domain, problem, steps, read, source, limits)
-    return replace(
-        new,
-        number=before.number + 1,
-        reason=REPLANNED if same_goal else NEW_TASK,
-        takes_up_goal=not same_goal or before.progress.finished,
-    )
+    renewed = AGAIN if before.progress.finished else REPLANNED
+    reason = renewed if same_goal else NEW_TASK
+    return replace(new, number=before.number + 1, reason=reason)
 
 
 def begun_again(situation: Situation) -> Situation:
@@ -117,8 +117,7 @@ def begun_again(situation: Situation) -> Situation:
         situation,
         seen=Progress.none(len(situation.episode.steps)),
         told=None,
-        takes_up_goal=True,
         number=situation.number + 1,
-        reason=REPLANNED,
+        reason=AGAIN,
         began=datetime.now().astimezone(),
     )

@@ -36,10 +36,11 @@ def _curves(**understanding: list[float]) -> list[dict[str, object]]:
 
 
 def test_the_warehouse_is_told_in_three_orders_with_the_n_that_each_needs(tmp_path, capsys):
-    figure = ('--output', str(tmp_path / 'figure.png'))
-    assert main(_arguments(*figure, '--listener', 'planner')) == 0
+    written = ('--figure', str(tmp_path / 'figure.png'), '--output', str(tmp_path / 'told.txt'))
+    assert main(_arguments(*written, '--listener', 'planner')) == 0
 
-    lines = capsys.readouterr().out.splitlines()
+    assert 'Hint' not in capsys.readouterr().out
+    lines = (tmp_path / 'told.txt').read_text().splitlines()
     table = lines.index(next(line for line in lines if 'Increasing order' in line))
     first, last = lines[table + 2], lines[table + 9]
     expected = (

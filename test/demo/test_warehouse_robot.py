@@ -7,7 +7,8 @@ from patience import PATIENCE, eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
-from ros_peer import Peer, running
+from ros_peer import Call, Peer, running
+from std_srvs.srv import Trigger
 
 from mirror_explainer.pddl import read_task
 
@@ -42,10 +43,17 @@ def test_a_robot_of_ones_own_domain_publishes_its_own_texts_with_each_state(
     with running('warehouse_robot', peer.node.get_namespace(), tmp_path, step_period=0.5, **robot):
         eventually(lambda: '' in plans, 'the end of the plan')
         eventually(lambda: '(lit blue)' in problems[-1], 'the last state')
+        last = problems[-1]
+        restart = peer.node.create_client(Trigger, 'warehouse_robot/restart')
+        assert restart.wait_for_service(PATIENCE)
+        whole = plans[0]
+        plans.clear()
+        assert Call(restart.call_async(Trigger.Request())).result().success
+        eventually(lambda: plans[:1] == [whole] and '' in plans, 'the end of it once more')
 
     assert domains == [DOMAIN]
-    assert read_task(DOMAIN, problems[-1]).initial_facts == {'(lit red)', '(lit blue)'}
-    assert '(bright)' not in problems[-1].split('(:goal')[0]
+    assert read_task(DOMAIN, last).initial_facts == {'(lit red)', '(lit blue)'}
+    assert '(bright)' not in last.split('(:goal')[0]
 
 
 def test_a_robot_may_publish_its_plan_once_and_then_only_its_state(

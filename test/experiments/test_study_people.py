@@ -445,10 +445,10 @@ def test_answers_are_deleted_on_request_and_the_place_is_given_to_the_next(study
     ('arguments', 'reason'),
     [
         (
-                ['serve', '--seed', '4'],
-                'its study has 4 scenarios of seed 109, with words for listeners of kind planner '
-                'and open, for good',
-            ),
+            ['serve', '--seed', '4'],
+            'its study has 4 scenarios of seed 109, with words for listeners of kind planner '
+            'and open, for good',
+        ),
         (['analyse'], 'nobody has finished the study yet'),
     ],
 )

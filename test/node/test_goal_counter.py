@@ -16,7 +16,7 @@ from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.problem_text import with_state
 from mirror_explainer.pddl.simulation import carry_out
-from mirror_explainer.pddl.situation import Situation
+from mirror_explainer.pddl.situation import FIRST, REPLANNED, Situation
 
 __all__ = ['operator']  # the fixture
 LIMITS = InputLimits()
@@ -26,9 +26,9 @@ OTHER = PROBLEM.replace('(holding blue_cube)', '(holding red_circle)')
 OTHER_GOAL = '(and (holding red_circle) (holding red_circle) (outside bottom_door))'
 
 
-def episode(number: int, takes_up_goal: bool = True) -> Situation:
+def episode(number: int, reason: str = FIRST) -> Situation:
     """Return what counting looks at of the episode with this number."""
-    return Situation(None, None, '', '', number, takes_up_goal=takes_up_goal)
+    return Situation(None, None, '', '', number, reason)
 
 
 def counts(counter: GoalCounter, *goals: str, begin: int = 1) -> list[dict[str, int]]:
@@ -54,7 +54,7 @@ def test_each_task_counts_once_and_is_not_among_those_before_it(tmp_path: Path):
 def test_a_new_plan_for_the_same_goal_does_not_count(tmp_path: Path):
     counter = GoalCounter(str(tmp_path / 'seen.yaml'))
     counts(counter, '(a)')
-    counter.before(episode(2, takes_up_goal=False), '(a)', LIMITS)
+    counter.before(episode(2, REPLANNED), '(a)', LIMITS)
     assert read_goals_seen(str(tmp_path / 'seen.yaml')) == {'(a)': 1}
 
 

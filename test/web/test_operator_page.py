@@ -23,7 +23,7 @@ from playwright.sync_api import Locator, Page, expect
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import ListParameters, SetParameters
-from ros_peer import PLAN, PROBLEM, USER_MODEL, Call, Peer, Process, running
+from ros_peer import PLAN, USER_MODEL, Call, Peer, Process, running
 
 from mirror_explainer.web.operator.shown import percent
 
@@ -286,10 +286,27 @@ def test_two_browsers_show_the_same_answer_and_both_can_ask(chromium, operator, 
         expect(answer(other)).to_have_text(SENTENCES[:1])
 
 
-def test_the_page_fits_every_screen_also_at_200_percent_and_on_a_phone(operator):
+def test_the_page_fits_every_screen_also_at_200_percent_with_names_of_any_kind(operator, shared):
+    explanations = shared.peer.hear('mirror_explainer/explanation')
     press(operator)
     more(operator)
-    for width, height in (*SCREENS.values(), (320, 568)):
+    eventually(lambda: explanations, 'the explanation')
+    told = json.loads(explanations[-1])
+    arabic = 'سأحمل الصندوق إلى الغرفة الزرقاء.'
+    names = ['箱を青い部屋へ届ける。' * 4, arabic, '<b>b</b>' * 12, 'x' * 90]
+    told['spoken'] = '\n'.join(names)
+    for step, name in zip(told['plan'], names, strict=False):
+        step['sentence'] = step['action'] = name
+    for goal, name in zip(told['goals'], names, strict=False):
+        goal['name'] = name
+    told['true_goal'] = names[-1]
+    shared.peer.publish('mirror_explainer/explanation', json.dumps(told))
+    expect(answer(operator)).to_have_text(names)
+    direction = 'li => getComputedStyle(li).direction'
+    directions = [each.evaluate(direction) for each in answer(operator).all()]
+    assert directions == ['ltr', 'rtl', 'ltr', 'ltr']
+    assert operator.locator('main b').count() == 0
+    for width, height in SCREENS.values():
         operator.set_viewport_size({'width': width, 'height': height})
         assert overflow(operator) <= 0
     assert violations(operator) == []
@@ -352,25 +369,34 @@ def test_without_scripts_the_button_works_too(chromium, shared):
         expect(answer(page).first).to_be_visible()
 
 
-def test_steps_are_ticked_off_as_the_robot_does_them_and_the_answer_stays(
-    operator, shared, tmp_path
+def test_the_demo_from_first_to_last_step_and_again_asks_by_itself_and_nothing_jumps(
+    chromium, shared
 ):
-    problem = PROBLEM.replace('(robot-at left)', '(robot-at red_room)')
-    files = {
-        'problem_file': problem.replace('(item-at blue_cube blue_room)', '(holding blue_cube)'),
-        'plan_file': PLAN[PLAN.index('(move red_room doors)') :],
-    }
-    files['problem_file'] = files['problem_file'].replace(
-        '(item-at red_circle red_room)', '(holding red_circle)'
-    )
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
-    operator.goto(f'{shared.page.url}?follow=on')
-    press(operator)
-    expect(answer(operator)).to_have_text(SENTENCES)
-    with shared.robot(step_period=0.5, **{name: tmp_path / name for name in files}):
-        expect(operator.locator('#timeline li.done')).to_have_count(10)
-    expect(operator.locator('#said .old')).to_have_count(0)
+    shared.peer.set_parameters(n=3, strategy='informative', remember=False)
+    with person(chromium) as wide, person(chromium, 'small') as narrow:
+        again = wide.get_by_role('button', name='Start again')
+        for page in (wide, narrow):
+            page.add_init_script(SHIFTS)
+            page.goto(f'{shared.page.url}?follow=on')
+        shared.peer.answer()
+        for page in (wide, narrow):
+            expect(answer(page)).to_have_text(SENTENCES)
+        expect(again).to_have_count(0)
+        with shared.robot(step_period=0.5):
+            expect(again).to_be_visible()
+            expect(wide.locator('#timeline li.done')).to_have_count(10)
+            expect(answer(wide)).to_have_text(SENTENCES)  # nobody asked meanwhile
+            assert violations(wide) == []
+            again.click()
+            expect(again).to_have_count(0)
+            expect(again).to_be_visible()
+            for page in (wide, narrow):
+                expect(page.locator('#status')).to_contain_text('Ready.')
+                expect(page.locator('#said .old')).to_have_count(0)
+                expect(page.locator('#said')).not_to_contain_text('changed')
+                assert page.evaluate('window.shifts') < 0.1
+                assert overflow(page) <= 0
+        expect(again).to_have_count(0)  # the robot is gone
     shared.peer.publish_warehouse()
     shared.peer.answer()
 
@@ -440,7 +466,7 @@ def http_status(server: Server, method: str, path: str, host: str = 'localhost')
     return response.status
 
 
-@pytest.mark.parametrize('path', ['/ask', '/adjust', '/forget'])
+@pytest.mark.parametrize('path', ['/ask', '/adjust', '/forget', '/restart'])
 def test_what_changes_anything_is_refused_without_a_form_of_the_page(shared, path):
     assert http_status(shared.page, 'POST', path) == 403
     assert http_status(shared.page, 'GET', path) == 405

@@ -19,7 +19,8 @@ from typing import Any
 
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.dataset import (
     Location,
     RecognitionProblem,
@@ -75,7 +76,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         measured = write_report(records, options.output, _command(options))
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'pucrs_benchmark: {told(error)}', file=sys.stderr)
+        tell_error('pucrs_benchmark', error)
         return 2
     except KeyboardInterrupt:
         print('pucrs_benchmark: stopped; the same command goes on from here', file=sys.stderr)
@@ -214,10 +215,13 @@ def _command(options: argparse.Namespace) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='pucrs_benchmark',
-        description="Reproduce the paper's benchmark on the PUCRS data set.",
-        epilog='Exit status: 0; 1 if no instance could be measured; 2 for bad input.',
+    command = 'python3 -m mirror_explainer.experiments.benchmark.pucrs'
+    parser = command_parser(
+        'pucrs_benchmark',
+        "Reproduce the paper's benchmark on the PUCRS data set.",
+        f'{command} --dataset DIR',
+        f'{command} --dataset DIR --instances 2 --jobs 4 --output few',
+        ends='Exit status: 0; 1 if no instance could be measured; 2 for bad input.',
     )
     parser.add_argument(
         '--dataset',
@@ -239,7 +243,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--jobs', type=whole(1), default=2, help='instances at a time (default 2)')
     parser.add_argument(
         '--output', type=Path, default=Path('pucrs_results'), metavar='DIR',
-        help='default: pucrs_results; an interrupted run resumes from what is there',
+        help='write there (default: pucrs_results), and resume what was interrupted',
     )  # fmt: skip
     parser.add_argument(
         '--plans-per-belief', type=whole(1), default=1, metavar='K',

@@ -15,7 +15,8 @@ from pathlib import Path
 from random import Random
 
 from mirror_explainer.commands.options import whole
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.dataset import Location, listed_locations
 from mirror_explainer.experiments.planning.cases import (
     pucrs_instance,
@@ -188,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         _measure(options)
     except (InputError, PlanningError, OSError) as error:
-        _tell(f'plans_per_belief: {told(error)}')
+        tell_error('plans_per_belief', error)
         return 2
     except KeyboardInterrupt:
         return 130
@@ -209,10 +210,12 @@ def _measure(options: argparse.Namespace) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='plans_per_belief',
-        description='Measure what a selection loses that knows only some plans of each belief.',
-        epilog='Exit status: 0, or 2 for bad input.',
+    command = 'python3 -m mirror_explainer.experiments.planning.plans_per_belief'
+    parser = command_parser(
+        'plans_per_belief',
+        'Measure what a selection loses that knows only some plans of each belief.',
+        command,
+        f'{command} --only choices --renamings 1',
     )
     parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
     parser.add_argument('--limit', type=whole(1), default=1000, help='instances of each domain')

@@ -3,7 +3,6 @@
 Run as `python3 -m mirror_explainer.experiments.planning.scale`. Prints a Markdown table.
 """
 
-import argparse
 import select
 import statistics
 import subprocess
@@ -15,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.errors import PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.errors import PlanningError
 from mirror_explainer.experiments.planning.cases import running_planner
 from mirror_explainer.experiments.planning.robots import Robot, robots
 from mirror_explainer.experiments.planning.speed import naive
@@ -174,8 +174,13 @@ def table(rows: Sequence[Row]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; return 0, or 2 where planning fails, told on stderr."""
-    parser = argparse.ArgumentParser(
-        prog='scale', description='Measure planning for robots of growing size.'
+    command = 'python3 -m mirror_explainer.experiments.planning.scale'
+    parser = command_parser(
+        'scale',
+        'Measure planning for robots of growing size.',
+        command,
+        f'{command} --sample 1 --limit 5',
+        ends='Exit status: 0, or 2 where planning fails.',
     )
     parser.add_argument('--only', default='', help='only robots whose name contains this')
     parser.add_argument('--sample', type=whole(1), default=2, help='naive calls a robot')
@@ -189,7 +194,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 print(f'{robot.name}: {rows[-1].all:.2f} s', file=sys.stderr)
         print(table(rows))
     except PlanningError as error:
-        print(f'scale: {told(error)}', file=sys.stderr)
+        tell_error('scale', error)
         return 2
     except KeyboardInterrupt:
         return 130

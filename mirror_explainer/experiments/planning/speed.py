@@ -18,7 +18,8 @@ from unified_planning.shortcuts import OneshotPlanner, get_environment
 from mirror_explainer import pddl
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.dataset import listed_locations
 from mirror_explainer.experiments.planning.cases import (
     Instance,
@@ -128,7 +129,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             require_extras('experiments')
         _measure_all(options)
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'planning_speed: {told(error)}', file=sys.stderr)
+        tell_error('planning_speed', error)
         return 2
     except KeyboardInterrupt:
         return 130
@@ -162,10 +163,12 @@ def _instances(options: argparse.Namespace, *, hard: bool) -> list[Instance]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='planning_speed',
-        description='Measure planning for 64 beliefs, beside one unified-planning call a belief.',
-        epilog='Exit status: 0, or 2 for bad input.',
+    command = 'python3 -m mirror_explainer.experiments.planning.speed'
+    parser = command_parser(
+        'planning_speed',
+        'Measure planning for 64 beliefs, beside one unified-planning call a belief.',
+        command,
+        f'{command} --only warehouse --figure speed',
     )
     parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
     parser.add_argument('--only', default='', help='only instances whose name contains this')

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.commands.terminal import add_version, tell_error
+from mirror_explainer.commands.terminal import command_parser, tell_error
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.study.design import GROWTHS, Answer, assignment
 from mirror_explainer.experiments.study.observers import KINDS
@@ -122,12 +122,14 @@ def _command(options: argparse.Namespace) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='user_study',
-        description="The paper's user study: who understands the robot, how soon.",
-        epilog='Exit status: 0, or 2 for bad input.',
+    program = 'python3 -m mirror_explainer.experiments.study.user_study'
+    parser = command_parser(
+        'user_study',
+        "The paper's user study: who understands the robot, how soon.",
+        f'{program} simulate --participants 20 --output simulated',
+        f'{program} serve --study study.yaml --host 0.0.0.0',
+        f'{program} export --output people',
     )
-    add_version(parser)
     commands = parser.add_subparsers(dest='command', required=True)
     simulation = commands.add_parser(
         'simulate',
@@ -249,7 +251,11 @@ def _database_argument(parser: argparse.ArgumentParser) -> None:
 
 def _output_argument(parser: argparse.ArgumentParser, folder: str) -> None:
     parser.add_argument(
-        '--output', type=Path, default=Path(folder), metavar='DIR', help=f'default: {folder}'
+        '--output',
+        type=Path,
+        default=Path(folder),
+        metavar='DIR',
+        help=f'write there (default: {folder})',
     )
 
 

@@ -17,7 +17,8 @@ from pathlib import Path
 
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.pucrs import ENVIRONMENT
 from mirror_explainer.experiments.understanding.judged import Judged, judgements, plan_task
 from mirror_explainer.experiments.understanding.tasks import DrawnTask, own_tasks, pucrs_tasks
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 1
         write_report(rows, len(tasks), options.output, _command(options))
     except (InputError, PlanningError, MissingExtras, OSError) as error:
-        print(f'who_understands: {told(error)}', file=sys.stderr)
+        tell_error('who_understands', error)
         return 2
     except KeyboardInterrupt:
         return 130
@@ -107,10 +108,13 @@ def _command(options: argparse.Namespace) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog='who_understands',
-        description='Judge what each listener would have the robot say by each listener.',
-        epilog='Exit status: 0; 1 if nothing could be measured; 2 for bad input.',
+    command = 'python3 -m mirror_explainer.experiments.understanding.who_understands'
+    parser = command_parser(
+        'who_understands',
+        'Judge what each listener would have the robot say by each listener.',
+        command,
+        f'{command} --dataset DIR --instances 3 --output few',
+        ends='Exit status: 0; 1 if nothing could be measured; 2 for bad input.',
     )
     parser.add_argument(
         '--dataset', type=Path, default=os.environ.get(ENVIRONMENT), metavar='DIR',
@@ -128,7 +132,7 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     parser.add_argument(
         '--output', type=Path, default=Path('who_understands'), metavar='DIR',
-        help='default: who_understands; an interrupted run resumes from what is there',
+        help='write there (default: who_understands), and resume what was interrupted',
     )  # fmt: skip
     return parser
 

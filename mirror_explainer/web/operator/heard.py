@@ -191,7 +191,7 @@ class Heard:
 
     `tried` has the answers to compare: about the newest plan, one for each strategy
     and number of sentences. Times are the clock's, in words; `silent` says that the
-    status is no news any more.
+    status is no news any more, and `restarts` that the robot is one that can begin again.
     """
 
     explainer: str
@@ -203,6 +203,7 @@ class Heard:
     silent: bool = False
     settings: Settings | None = None
     failure: Failure | None = None
+    restarts: bool = False
 
     @property
     def state(self) -> str:

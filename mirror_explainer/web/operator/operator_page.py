@@ -4,7 +4,6 @@ The page's threads reach ROS by calls with a time limit only; what they show is 
 that the node's callbacks replace.
 """
 
-import argparse
 import sys
 import threading
 import time
@@ -30,7 +29,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.commands.extras import MissingExtras, require_extras
-from mirror_explainer.commands.terminal import add_version, tell_error
+from mirror_explainer.commands.terminal import command_parser, tell_error
 from mirror_explainer.errors import InputError
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.operator.heard import (
@@ -42,6 +41,7 @@ from mirror_explainer.web.operator.heard import (
 )
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+DEMO_RESTART = 'warehouse_robot/restart'  # of the demo robot: no other one is to be moved
 PORT = 8350
 # Seconds.
 SILENCE = 5.0  # the explainer tells its state each second
@@ -53,8 +53,8 @@ LONGEST_REPLY = 60.0  # however long it waits
 class OperatorPage(Node):
     """Hears an explainer's answers, state and settings, and asks for what the page's users want.
 
-    `ask`, `adjust`, `forget` and `heard` are for other threads than the executor's: they
-    return in limited time, and what went wrong is heard as a failure.
+    `ask`, `adjust`, `forget`, `restart` and `heard` are for other threads than the executor's:
+    they return in limited time, and what went wrong is heard as a failure.
     """
 
     def __init__(self) -> None:
@@ -75,6 +75,7 @@ class OperatorPage(Node):
         namespace = self._name.rpartition('/')[0]
         self._verbalize = self.create_client(Trigger, f'{namespace}/verbalize_plan')
         self._forget = self.create_client(Trigger, f'{explainer}/forget')
+        self._restart = self.create_client(Trigger, DEMO_RESTART)
         self._get = self.create_client(GetParameters, f'{explainer}/get_parameters')
         self._set = self.create_client(
             SetParametersAtomically, f'{explainer}/set_parameters_atomically'
@@ -84,7 +85,8 @@ class OperatorPage(Node):
         """Return what was heard, up to now."""
         with self._changed:
             silent = time.monotonic() > self._last_status + SILENCE
-            return replace(self._heard, silent=silent)
+            heard = replace(self._heard, silent=silent)
+        return replace(heard, restarts=self._restart.service_is_ready())
 
     def ask(self) -> None:
         """Ask what the robot is up to, and wait until the answer is heard."""
@@ -122,6 +124,13 @@ class OperatorPage(Node):
         """Let the explainer forget what it said."""
         try:
             self._call(self._forget, Trigger.Request())
+        except _NoAnswer as error:
+            self._on_failure(str(error))
+
+    def restart(self) -> None:
+        """Let the demo robot begin again."""
+        try:
+            self._call(self._restart, Trigger.Request())
         except _NoAnswer as error:
             self._on_failure(str(error))
 
@@ -200,12 +209,14 @@ def _clock(seconds: float | None = None) -> str:
 def main(args: Sequence[str] | None = None) -> int:
     """Serve the page until it is interrupted; return the exit status."""
     argv = sys.argv if args is None else ['operator_page', *args]
-    parser = argparse.ArgumentParser(
+    command = 'ros2 run mirror_explainer operator_page'
+    parser = command_parser(
         'operator_page',
-        description='Serve a web page on which people ask the explainer what the robot is up to.',
-        epilog='Remappings and the like follow --ros-args.',
+        'Serve a web page on which people ask the explainer what the robot is up to.',
+        command,
+        f'{command} --host 0.0.0.0 --port 8080 --ros-args -r __ns:=/robot1',
+        ends='Remappings and the like follow --ros-args.',
     )
-    add_version(parser)
     add_address_arguments(parser, PORT)
     options = parser.parse_args(remove_ros_args(argv)[1:])
     try:

@@ -152,9 +152,13 @@ class Mark:
 
 @dataclass(frozen=True)
 class Timeline:
-    """The plan from its first step to the last; `long` ones are a row that can be opened."""
+    """The plan from its first step to the last; `long` ones are a row that can be opened.
+
+    `restarts` says that the robot can begin again, and has come to the end.
+    """
 
     marks: tuple[Mark, ...]
+    restarts: bool = False
 
     @property
     def long(self) -> bool:
@@ -190,7 +194,8 @@ def timeline(heard: Heard) -> Timeline | None:
         elif i < done + running:
             status = 'running'
         marks.append(Mark(i + 1, step.sentence, step.position in answer.positions, status))
-    return Timeline(tuple(marks))
+    at_end = all(mark.status == 'done' for mark in marks)
+    return Timeline(tuple(marks), heard.restarts and at_end)
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,9 @@ class Explainer(Protocol):
     def forget(self) -> None:
         """Let the explainer forget what it said."""
 
+    def restart(self) -> None:
+        """Let the demo robot begin again."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class OperatorSite(Site):

@@ -10,6 +10,6 @@ urlpatterns = [
     path('news', require_safe(views.news), name='news'),
     *(
         path(view.__name__, require_POST(view), name=view.__name__)
-        for view in (views.ask, views.adjust, views.forget)
+        for view in (views.ask, views.adjust, views.forget, views.restart)
     ),
 ]

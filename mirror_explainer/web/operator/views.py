@@ -91,6 +91,12 @@ def forget(request: HttpRequest) -> HttpResponse:
     return _changed(request, request.POST)
 
 
+def restart(request: HttpRequest) -> HttpResponse:
+    """Let the demo robot begin again."""
+    _explainer().restart()
+    return _changed(request, request.POST)
+
+
 def _explainer() -> Explainer:
     explainer: Explainer = settings.SITE.explainer
     return explainer
