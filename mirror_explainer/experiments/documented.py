@@ -21,7 +21,8 @@ _SHOWN: Mapping[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     **TABLES,
     'speakers': speakers_table,
     'pucrs_domains': lambda table: table.round(2),
-    'tests': lambda table: table.dropna(axis='columns', how='all'),  # of simulated, without p
+    # Of simulated listeners, who have no p, and hear words for a planner.
+    'tests': lambda table: table.drop(columns='strategy').dropna(axis='columns', how='all'),
 }
 
 

@@ -33,7 +33,9 @@ def benchmark_figure(means: pd.DataFrame) -> Figure:
             percent_axis(axes[row][column])
             axes[row][column].tick_params(axis='x', labelsize='small')
     for column, domain in enumerate(domains):
-        axes[0][column].set_title(_SHORT.get(domain, domain), style='italic')
+        [instances] = set(means.loc[means['domain'] == domain, 'instances'])
+        title = f'{_SHORT.get(domain, domain)} (n = {instances})'
+        axes[0][column].set_title(title, fontsize='medium')
     for axis in axes.flat:
         axis.set_ylim(bottom=-0.03 * axis.get_ylim()[1])
     handles, labels = axes[0][0].get_legend_handles_labels()

@@ -11,6 +11,7 @@ from mirror_explainer.experiments.study.web_study.texts import Words
 from mirror_explainer.pddl import Task, words_of
 
 WIDTH, HEIGHT = 720, 530
+_INSET = 9  # of a room, so that the names of what lies in it do not touch its walls
 
 
 @dataclass(frozen=True)
@@ -180,7 +181,7 @@ def _items(places: Mapping[str, Place], lying: Mapping[str, str], words: Words) 
         inside = [item for item, where in lying.items() if where == room]
         place = places[room]
         for index, item in enumerate(inside):
-            x = place.left + place.width * (index + 0.5) / len(inside)
+            x = place.left + _INSET + (place.width - 2 * _INSET) * (index + 0.5) / len(inside)
             yield Item(x, place.y - 4, words.thing(item), *look(item))
 
 
