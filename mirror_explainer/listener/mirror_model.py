@@ -247,7 +247,6 @@ class MirrorModel:
         """
         heard = set(self.columns(said))
         left = [column for column in range(len(self.told)) if column not in heard]
-        left.sort(key=lambda column: self.places[column][-1])
         joint = self.joint(said)
         weight = np.stack(
             [
@@ -257,8 +256,11 @@ class MirrorModel:
             axis=1,
         )
         possible = weight[:, ALL] > 0
+        ratio = self.ratios  # taken as it is where that will do: it may be large
+        if heard or not possible.all():
+            ratio = np.compress(possible, ratio.T[left], axis=1).T
         return Evidence(
-            self.ratios[possible][:, left],
+            ratio,
             weight[possible] / joint.sum(),
             float(joint[self.robot] / joint.sum()),
             tuple(self.places[column] for column in left),

@@ -31,7 +31,9 @@ class Ratios:
         sentence_of: Callable[[str], str],
         own_plans: Sequence[Plan],
     ) -> None:
-        self.told = tuple(dict.fromkeys(way.sentences))
+        self.told = tuple(dict.fromkeys(way.sentences[::-1]))[
+            ::-1
+        ]  # in order of their last places
         self._open, self._delta = listener.is_open, listener.other_ends
         self._sentences = way.sentences
         self._sentence_of = sentence_of
@@ -93,7 +95,7 @@ class Ratios:
     @property
     def rows(self) -> Floats:
         """All rows, shape (R, T)."""
-        rows = np.empty((len(self._rows), len(self.told)))
+        rows = np.empty((len(self._rows), len(self.told)), order='F')
         if not self.told:
             return rows
         kinds = np.array([length for _, length in self._rows])

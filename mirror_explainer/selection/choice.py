@@ -4,6 +4,7 @@ Sets are of different sentences. Small ones are all looked at, as Algorithm 1 ha
 there are too many for the time, a search finds a good one, and the gap says how good.
 """
 
+import contextlib
 import math
 import time
 from collections.abc import Iterator, Sequence
@@ -14,7 +15,7 @@ from mirror_explainer.selection.enumeration import (
     TIE,
     OutOfTime,
     best_of_all,
-    seconds_to_enumerate,
+    least_seconds,
 )
 from mirror_explainer.selection.evidence import Evidence
 from mirror_explainer.selection.search import greedy, improved, least_doubt
@@ -68,7 +69,7 @@ def most_informative(
         return Selection((), 0.0)
     chosen = _without_fillers(best, evidence.min_gain)
     if first and n and not chosen.positions:  # a robot whose steps bring nothing about
-        return _best_of_any(evidence, 1, _end(budget))
+        return selection_of(evidence, *_best_of_any(evidence, 1, _end(budget)))
     return chosen
 
 
@@ -122,12 +123,10 @@ def baseline(evidence: Evidence, strategy: str, n: int, threshold: float = 0.0) 
         enough = (k for k in sizes if evidence.doubt_after(columns[:k]) < threshold)
         columns = columns[: next(enough, len(columns))]
     met = 0 if strategy == 'increasing' else -1
-    doubt = evidence.doubt_after(columns)
-    gap = doubt - least_doubt(evidence, len(columns))
     return Selection(
         tuple(sorted(evidence.places[column][met] for column in columns)),
-        evidence.doubt_before - doubt,
-        gap if gap > TIE else 0.0,
+        evidence.doubt_before - evidence.doubt_after(columns),
+        _gap(evidence, columns),
     )
 
 
@@ -147,8 +146,7 @@ def informative_order(evidence: Evidence) -> tuple[Addition, ...]:
 def selection_of(evidence: Evidence, columns: Sequence[int], gap: float = 0.0) -> Selection:
     """Return the selection of these columns of the evidence."""
     positions = tuple(sorted(evidence.positions[column] for column in columns))
-    gain = evidence.doubt_before - evidence.doubt_after(tuple(columns))
-    return Selection(positions, gain, gap)
+    return Selection(positions, evidence.doubt_before - evidence.doubt_after(columns), gap)
 
 
 def best_of_each(
@@ -164,33 +162,34 @@ def best_of_each(
 def _best(evidence: Evidence, size: int, end: float) -> Selection:
     """The best selection of exactly `size` sentences, or a good one and its gap.
 
-    A means is said when nothing is left to say of the goal, and only for a surprise: where
-    the best has one otherwise, the best of ends alone is taken.
+    A means is said when nothing is left to say of the goal, and only for a surprise: otherwise
+    the best of ends alone is taken.
     """
-    best = _best_of_any(evidence, size, end)
-    columns = [c for c, places in enumerate(evidence.places) if places[-1] in best.positions]
-    if evidence.means.isdisjoint(columns):
-        return best
-    if evidence.has_surprises and not evidence.leaves_an_end(columns):
-        return best
+    if evidence.has_surprises:
+        columns, gap = _best_of_any(evidence, size, end)
+        if evidence.means.isdisjoint(columns) or not evidence.leaves_an_end(columns):
+            return selection_of(evidence, columns, gap)
     ends = evidence.of_ends()
-    return _best_of_any(ends, min(size, len(ends.places)), end)
+    return selection_of(ends, *_best_of_any(ends, min(size, len(ends.places)), end))
 
 
-def _best_of_any(evidence: Evidence, size: int, end: float) -> Selection:
-    """The best selection of exactly `size` sentences of any kind, or a good one and its gap."""
-    if size == len(evidence.positions):
-        return selection_of(evidence, range(size))
-    if seconds_to_enumerate(evidence, size) < end - time.monotonic():
-        try:
-            return selection_of(evidence, best_of_all(evidence, size, end))
-        except OutOfTime:
-            end = time.monotonic()
+def _best_of_any(evidence: Evidence, size: int, end: float) -> tuple[Sequence[int], float]:
+    """The columns of the best `size` sentences of any kind, or of good ones, and their gap."""
+    if size == len(evidence.places):
+        return range(size), 0.0
     starts = [greedy(evidence, size, end), *(order(evidence)[:size] for order in ORDERS.values())]
-    found = [improved(evidence, start, end) for start in starts]
-    best = min(found, key=evidence.doubt_after)
-    gap = evidence.doubt_after(best) - least_doubt(evidence, size)
-    return selection_of(evidence, best, gap if gap > TIE else 0.0)
+    start = min(starts, key=evidence.doubt_after)
+    if least_seconds(evidence, size) < end - time.monotonic():
+        with contextlib.suppress(OutOfTime):
+            return best_of_all(evidence, size, start, end), 0.0
+    found = improved(evidence, start, end)
+    return found, _gap(evidence, found)
+
+
+def _gap(evidence: Evidence, columns: Sequence[int]) -> float:
+    """How much less doubt than these columns leave others may leave, as far as is known."""
+    gap = evidence.doubt_after(columns) - least_doubt(evidence, len(columns))
+    return gap if gap > TIE else 0.0
 
 
 def _end(budget: float | None) -> float:

@@ -1,117 +1,132 @@
-"""FIND-MOST-INFORMATIVE of Algorithm 1 to the letter: all sets of a size, by matrix products."""
+"""FIND-MOST-INFORMATIVE of Algorithm 1: the best of all sets of a size, by matrix products.
+
+A set is left out as soon as the kinds of hypotheses that weigh most leave it more doubt than
+a set that is known has in all; the rest can only add to that.
+"""
 
 import itertools
 import math
 import time
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mirror_explainer.selection.evidence import Evidence, Floats
+from mirror_explainer.selection.evidence import ALL, GOAL, Evidence, Floats
 
 TIE = 1e-9  # nats; gains that differ by less are equal
-# Of so many kinds of hypotheses on, sums of single precision tell first which sets are near the
-# best: within this many nats, which is far more than they may be off.
-_MANY_KINDS = 4096
+# Where there are more kinds of hypotheses than this, those of the robot's goal and this many
+# of the heaviest are looked at first.
+_HEAVIEST = 512
+# What is added of the rest in single precision is off by far less than this, in nats.
 _ROUNDING = 1e-4
-_MOST_NEAR = 50
-_AT_A_TIME = 2048  # kinds, so that what is multiplied stays in a processor's cache
+_AT_A_TIME = 4096  # kinds, so that what is multiplied stays in a processor's cache
+# Before this share of the sets is looked at it is not foreseen how long the rest takes.
+_FORESEEN_FROM = 1 / 16
 # Rough costs on one core: of a product, and of one multiplication and addition in it.
 _SECONDS_A_PRODUCT = 4e-5
-_SECONDS_AN_OPERATION = 2.4e-10
+_SECONDS_AN_OPERATION = 1e-10
 
 
 class OutOfTime(Exception):
-    """The time was up before all sets were looked at."""
+    """The time is up before all sets are looked at."""
 
 
-def seconds_to_enumerate(evidence: Evidence, size: int) -> float:
-    """Return roughly how long it takes to look at all sets of a size."""
+class _Progress:
+    """How many of all sets were looked at, and whether the time is enough for the rest."""
+
+    def __init__(self, total: int, end: float) -> None:
+        self._began, self._end = time.monotonic(), end
+        self._looked_at, self._total = 0, total
+
+    def go_on(self, sets: int) -> None:
+        """Look at so many more. Raises OutOfTime."""
+        taken = time.monotonic() - self._began
+        share = max(self._looked_at / self._total, _FORESEEN_FROM)
+        if self._began + taken / share > self._end:
+            raise OutOfTime
+        self._looked_at += sets
+
+
+def least_seconds(evidence: Evidence, size: int) -> float:
+    """Return roughly how long it takes at least to look at all sets of a size."""
     kinds, sentences = evidence.ratio.shape
-    fitting = float((evidence.ratio[:: 1 + kinds // 256] > 0).mean()) if size > 2 else 1.0
+    kinds = min(kinds, int(np.count_nonzero(evidence.weight[:, GOAL])) + _HEAVIEST)
     prefixes = math.comb(sentences, max(size - 2, 0))
     pairs = (sentences / max(size - 1, 1)) ** 2
-    operations = kinds * fitting * pairs
-    return float(prefixes * (_SECONDS_A_PRODUCT + _SECONDS_AN_OPERATION * operations))
+    return float(prefixes * (_SECONDS_A_PRODUCT + _SECONDS_AN_OPERATION * kinds * pairs))
 
 
-def best_of_all(evidence: Evidence, size: int, end: float) -> tuple[int, ...]:
+def best_of_all(
+    evidence: Evidence, size: int, known: Sequence[int], end: float
+) -> tuple[int, ...]:
     """Return the columns of the set of `size` ≥ 1 sentences that leaves the least doubt.
 
     Of those within 1e-9 nats of it, the one with the latest last position, then the latest
-    last but one, and so on. Raises OutOfTime at `end` (of time.monotonic()).
+    last but one, and so on. `known` are the columns of a good one. Raises OutOfTime at `end`
+    (of time.monotonic()), or once it is foreseen.
     """
-    if len(evidence.ratio) >= _MANY_KINDS:
-        near = _near_the_best(evidence, size, end)
-        if near:
-            return _latest([(evidence.doubt_after(columns), columns) for columns in near])
+    if size == 1:
+        doubts = evidence.doubt.of(evidence.ratio.T @ evidence.weight, evidence.robot)
+        return (int(np.flatnonzero(doubts <= doubts.min() + TIE)[-1]),)
+    first, rest = _heaviest_first(evidence)
+    least = evidence.doubt_after(known)
     best: list[tuple[float, tuple[int, ...]]] = []
-    for prefix, doubts in _by_prefix(evidence, evidence.ratio, size, end):
-        least = min([float(doubts.min()), *(doubt for doubt, _ in best)])
-        best = [(doubt, columns) for doubt, columns in best if doubt <= least + TIE]
+    sentences = evidence.ratio.shape[1]
+    progress = _Progress(math.comb(sentences, size), end)
+    for prefix in itertools.combinations(range(sentences - 2), size - 2):
+        start = prefix[-1] + 1 if prefix else 0
+        progress.go_on(math.comb(sentences - start, 2))
+        masses = _masses_of_pairs(first, prefix, start)
+        doubts = _doubts_of_pairs(evidence, masses)
+        if len(rest.ratio):
+            near = np.flatnonzero((doubts <= least + TIE).any(axis=1))
+            if not len(near):
+                continue
+            some = near[0]
+            start += some
+            masses = masses[some:, some:] + _masses_of_pairs(rest, prefix, start)
+            doubts = _doubts_of_pairs(evidence, masses)
+            for pair in np.argwhere(doubts <= least + _ROUNDING).tolist():
+                doubts[tuple(pair)] = evidence.doubt_after([*prefix, *(start + c for c in pair)])
+        least = min(least, float(doubts.min()))
         tied = np.argwhere(doubts <= least + TIE)
         if len(tied):
             last = tied[np.lexsort(tied.T)[-1]]  # by the last column, then the one before
-            best.append((float(doubts[tuple(last)]), prefix + tuple(last.tolist())))
-    return _latest(best)
+            best.append((float(doubts[tuple(last)]), prefix + tuple((start + last).tolist())))
+    return max((columns for doubt, columns in best if doubt <= least + TIE), key=lambda c: c[::-1])
 
 
-def _latest(found: list[tuple[float, tuple[int, ...]]]) -> tuple[int, ...]:
-    """Return of the sets that leave the least doubt the latest."""
-    least = min(doubt for doubt, _ in found)
-    tied = (columns for doubt, columns in found if doubt <= least + TIE)
-    return max(tied, key=lambda columns: columns[::-1])
+def _heaviest_first(evidence: Evidence) -> tuple[Evidence, Evidence]:
+    """Divide the kinds: of the robot's goal or heavy; and, in single precision, the rest."""
+    among_first = evidence.weight[:, GOAL] > 0
+    among_first[np.argsort(evidence.weight[:, ALL])[-_HEAVIEST:]] = True
+    first, rest = (
+        (np.compress(kinds, evidence.ratio.T, axis=1).T, evidence.weight[kinds])
+        for kinds in (among_first, ~among_first)
+    )
+    return (
+        replace(evidence, ratio=first[0], weight=first[1]),
+        replace(evidence, ratio=rest[0].astype(np.float32), weight=rest[1].astype(np.float32)),
+    )
 
 
-def _near_the_best(evidence: Evidence, size: int, end: float) -> list[tuple[int, ...]]:
-    """Return the sets that may be the best by sums of single precision; none if there are many."""
-    near: list[tuple[float, tuple[int, ...]]] = []
-    least = math.inf
-    for prefix, doubts in _by_prefix(evidence, evidence.ratio.astype(np.float32), size, end):
-        least = min(least, float(doubts.min()))
-        near = [(doubt, columns) for doubt, columns in near if doubt <= least + _ROUNDING]
-        found = np.argwhere(doubts <= least + _ROUNDING)
-        if len(near) + len(found) > _MOST_NEAR:
-            return []
-        near += [(float(doubts[tuple(c)]), prefix + tuple(c)) for c in found.tolist()]
-    return [columns for _, columns in near]
-
-
-def _by_prefix(
-    evidence: Evidence, ratio: NDArray[Any], size: int, end: float
-) -> Iterator[tuple[tuple[int, ...], Floats]]:
-    """Yield the doubts that sets leave, for each choice of all but their last two columns.
-
-    `ratio` is the evidence's, in any precision. The doubts have shape (T,) for sets of one,
-    else (T, T), with infinity where the columns do not ascend.
-    """
-    weight = evidence.weight.astype(ratio.dtype)
-    if size == 1:
-        yield (), evidence.doubt.of(ratio.T @ weight, evidence.robot)
-        return
-    sentences = ratio.shape[1]
-    descending = np.tril(np.ones((sentences, sentences), dtype=bool))
-    for prefix in itertools.combinations(range(sentences - 2), size - 2):
-        if time.monotonic() > end:
-            raise OutOfTime
-        first = prefix[-1] + 1 if prefix else 0
-        fit = ratio[:, list(prefix)].prod(axis=1)
-        masses = _masses_of_pairs(ratio[:, first:], weight * fit[:, None])
-        doubts = np.full((sentences, sentences), np.inf)
-        doubts[first:, first:] = evidence.doubt.of(masses, evidence.robot)
-        doubts[descending] = np.inf
-        yield prefix, doubts
-
-
-def _masses_of_pairs(ratio: NDArray[Any], weight: NDArray[Any]) -> Floats:
-    """Σ_k w_k r_ki r_kj for each pair of T columns and each of the four weights, (T, T, 4)."""
-    masses = np.zeros((ratio.shape[1], ratio.shape[1], weight.shape[1]))
-    for place, share in enumerate(weight.T):
-        left = np.flatnonzero(share)
-        for start in range(0, len(left), _AT_A_TIME):
-            rows = left[start : start + _AT_A_TIME]
-            some = ratio[rows]
-            masses[..., place] += (some * share[rows, None]).T @ some
+def _masses_of_pairs(evidence: Evidence, prefix: Sequence[int], start: int) -> Floats:
+    """What is left of each weight after a prefix and two of T columns from a start, (T, T, 4)."""
+    ratio = evidence.ratio.T[start:]
+    shares = evidence.weight.T * evidence.ratio[:, list(prefix)].prod(axis=1)
+    masses = np.zeros((len(ratio), len(ratio), len(shares)))
+    for place, share in enumerate(shares[:1] if evidence.doubt.whole else shares):
+        root = np.sqrt(share)
+        for begin in range(0, len(root) if share.any() else 0, _AT_A_TIME):
+            kinds = slice(begin, begin + _AT_A_TIME)
+            some = ratio[:, kinds] * root[kinds]
+            masses[..., place] += some @ some.T
     return masses
+
+
+def _doubts_of_pairs(evidence: Evidence, masses: Floats) -> Floats:
+    """The doubt that is left, infinity where the two columns do not ascend."""
+    doubts = evidence.doubt.of(masses, evidence.robot)
+    doubts[np.tril_indices(len(doubts))] = np.inf
+    return doubts

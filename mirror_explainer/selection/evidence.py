@@ -99,6 +99,8 @@ class Evidence:
 
     def of_ends(self) -> 'Evidence':
         """The evidence of the ends alone; its columns are theirs, in order."""
+        if not self.means:
+            return self
         ends = [column for column in range(len(self.places)) if column not in self.means]
         places = tuple(self.places[column] for column in ends)
         return replace(self, ratio=self.ratio[:, ends], places=places, means=frozenset())

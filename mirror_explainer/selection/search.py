@@ -69,43 +69,42 @@ def improved(evidence: Evidence, start: Sequence[int], end: float) -> tuple[int,
 def least_doubt(evidence: Evidence, size: int) -> float:
     """Return a bound: no set of `size` sentences leaves less doubt."""
     if evidence.doubt.whole:
-        worst = _extreme(evidence.ratio, size, smallest=True)
-        masses = worst @ evidence.weight
-        masses[ALL] = max(masses[ALL], evidence.robot)
-        return float(evidence.doubt.of(masses, evidence.robot))
+        worst = _products(evidence.ratio, size)[:, size]
+        everything = max(float(worst @ evidence.weight[:, ALL]), evidence.robot)
+        return math.log(everything / evidence.robot)
     # A sentence that some foreseen way to the robot's goal lacks may tell of the facts; how
     # many of these a set has bounds what is left to tell of the goal.
     besides = evidence.weight[:, FORESEEN] - evidence.weight[:, BELIEF]
     lost = besides @ np.maximum(1.0 - evidence.ratio, 0.0)  # at most, by each sentence
-    telling = np.flatnonzero(lost > 0)
-    rest = np.setdiff1d(np.arange(len(lost)), telling)
+    telling, rest = np.flatnonzero(lost > 0), np.flatnonzero(lost <= 0)
     largest = np.sort(lost)[::-1]
+    own = evidence.weight[:, GOAL] > 0
+    others = evidence.weight[:, ALL] - evidence.weight[:, GOAL]
+    groups = (telling, rest)
+    lowest = [_products(evidence.ratio[:, group], size) for group in groups]
+    highest = [
+        _products(evidence.ratio[np.ix_(own, group)], size, largest=True) for group in groups
+    ]
     bounds = []
     for count in range(max(0, size - len(rest)), min(size, len(telling)) + 1):
-        worst = _extreme(evidence.ratio[:, telling], count, smallest=True)
-        worst = worst * _extreme(evidence.ratio[:, rest], size - count, smallest=True)
-        best = _extreme(evidence.ratio[:, telling], count, smallest=False)
-        best = best * _extreme(evidence.ratio[:, rest], size - count, smallest=False)
-        goal, belief = best @ evidence.weight[:, [GOAL, BELIEF]]
-        others = worst @ (evidence.weight[:, ALL] - evidence.weight[:, GOAL])
+        worst, best = (of[0][:, count] * of[1][:, size - count] for of in (lowest, highest))
+        goal, belief = best @ evidence.weight[own][:, [GOAL, BELIEF]]
         left = max(float(besides.sum() - largest[:count].sum()), float(worst @ besides))
         known = max(float(belief / (belief + left)), LEAST_FACTS)
-        bounds.append(math.log(1.0 + others / goal) - evidence.doubt.facts * math.log(known))
+        doubt = math.log(1.0 + worst @ others / goal) - evidence.doubt.facts * math.log(known)
+        bounds.append(doubt)
     return max(0.0, min(bounds))
 
 
-def _extreme(ratio: Floats, size: int, *, smallest: bool) -> Floats:
-    """The product of each row's `size` smallest ratios, or largest ones."""
-    if size == 0:
-        return np.ones(len(ratio))
-    at = size - 1 if smallest else ratio.shape[1] - size
-    ordered = np.partition(ratio, at, axis=1)
-    some = ordered[:, :size] if smallest else ordered[:, at:]
-    return np.asarray(some.prod(axis=1))
+def _products(ratio: Floats, most: int, *, largest: bool = False) -> Floats:
+    """The products of each row's 0, 1, ... and `most` smallest, or largest, ratios."""
+    most = min(most, ratio.shape[1])
+    sign = -1.0 if largest else 1.0
+    some = np.partition(sign * ratio, np.arange(most), axis=1)[:, :most]
+    return np.concatenate([np.ones((len(ratio), 1)), sign * some], axis=1).cumprod(axis=1)
 
 
 def _doubts_with_one_more(evidence: Evidence, fit: Floats) -> Floats:
     """The doubt that each column leaves besides what hypotheses already fit, shape (T,)."""
-    left = fit > 0
-    weight = evidence.weight[left] * fit[left, None]
-    return evidence.doubt.of(evidence.ratio[left].T @ weight, evidence.robot)
+    weight = evidence.weight * fit[:, None]
+    return evidence.doubt.of(evidence.ratio.T @ weight, evidence.robot)

@@ -3,17 +3,22 @@
 `scripts/benchmark selection` draws instances of 100,000 hypotheses about a plan of 50 steps
 (30 different goals of three of 12 ends each; a foreseen way has its ends and a random half of
 47 means; an unforeseen one a goal), and asks for three sentences within the usual budget. It
-prints how long the model's building and the choosing take, in multiples of `import numpy` in
-the same run, and the gap. Exit status 1 if of more than one in ten it is 0.1 nats or more.
+prints how long the model's building and the choosing (with all that is made for it) take, in
+multiples of `import numpy` in the same run, and the gap. Exit status 1 if of more than one in
+ten the gap is 0.1 nats or more, or the choosing takes longer than the budget.
 """
 
 import argparse
 import itertools
+import os
 import subprocess
 import sys
 import time
 from collections.abc import Sequence
 from random import Random
+
+# One thread, as in the node; numpy reads this when it is imported.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 from mirror_explainer.listener.ends import aims
 from mirror_explainer.listener.goals import Part
@@ -41,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f'unit: importing numpy, {unit:.2f} s')
     print('| instance | rows | building | choosing | in seconds | gain, nats | gap, nats |')
     print('|--:|--:|--:|--:|--:|--:|--:|')
-    wide = 0
+    missed = 0
     for seed in range(options.instances):
         drawn = instance(seed, options.hypotheses)
         began = time.perf_counter()
@@ -49,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         built = time.perf_counter()
         found = most_informative(model.evidence(), options.n, Question.selection_budget)
         done = time.perf_counter()
-        wide += found.gap >= 0.1
+        missed += found.gap >= 0.1 or done - built > Question.selection_budget
         cells = [
             seed,
             len(model.ratios),
@@ -60,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             f'{found.gap:.3f}',
         ]
         print(f'| {" | ".join(map(str, cells))} |')
-    return int(wide > options.instances / 10)
+    return int(missed > options.instances / 10)
 
 
 def instance(seed: int, hypotheses: int) -> tuple[Prior, dict[Belief, BeliefPlans], Way]:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mirror_explainer.selection import choice
+from mirror_explainer.selection import choice, enumeration
 from mirror_explainer.selection.choice import (
     baseline,
     best_of_each,
@@ -107,6 +107,19 @@ def test_of_every_size_it_is_the_best_of_all_sets_and_the_latest_of_the_best(evi
 
 
 @generated
+@given(evidences())
+def test_what_weighs_most_is_looked_at_first_and_it_is_the_best_of_all_sets(evidence):
+    evidence = plain(evidence)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(enumeration, '_HEAVIEST', 1)
+        for n in range(1, len(evidence.places) + 1):
+            found = most_informative(evidence, n)
+
+            assert found.positions == tuple(evidence.positions[c] for c in best_set(evidence, n))
+            assert found.optimal
+
+
+@generated
 @given(evidences(), st.integers(1, 8))
 def test_the_smallest_that_tells_nearly_as_much_as_the_best_is_said(evidence, n):
     evidence = replace(evidence, means=frozenset(), min_gain=evidence.min_gain or 0.0)
@@ -164,7 +177,7 @@ def test_never_below_a_baseline_less_the_least_gain(evidence):
 def test_a_search_is_honest_about_its_gap_and_never_below_a_baseline(evidence):
     evidence = plain(evidence)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(choice, 'seconds_to_enumerate', lambda evidence, size: math.inf)
+        patch.setattr(choice, 'least_seconds', lambda evidence, size: math.inf)
         sizes = range(1, len(evidence.places) + 1)
         for n, found in zip(sizes, best_of_each(evidence, sizes), strict=True):
             best = doubt(evidence, ()) - doubt(evidence, best_set(evidence, n))
