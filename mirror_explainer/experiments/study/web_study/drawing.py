@@ -105,13 +105,13 @@ class Drawing:
     height: int = HEIGHT
 
 
-_CORRIDOR = (170.0, 84.0)
+_CORRIDOR = (212.0, 84.0)  # a telephone's large letters fit in
 _ROOM = (245.0, 160.0)
 _KNOWN: Mapping[str, Place] = {
-    'left': Place(110, 100, '', *_CORRIDOR, False),
-    'center': Place(330, 100, '', *_CORRIDOR, False),
-    'right': Place(570, 100, '', *_CORRIDOR, False),
-    'doors': Place(255, 250, '', 200, 56, False),
+    'left': Place(111, 100, '', *_CORRIDOR, False),
+    'center': Place(347, 100, '', *_CORRIDOR, False),
+    'right': Place(603, 100, '', *_CORRIDOR, False),
+    'doors': Place(255, 250, '', 252, 56, False),
     'red_room': Place(130, 430, '', *_ROOM, True),
     'blue_room': Place(383, 430, '', *_ROOM, True),
 }
