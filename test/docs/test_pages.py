@@ -10,7 +10,8 @@ ROOT = Path(__file__).parents[2]
 WAREHOUSE = ROOT / 'config' / 'warehouse'
 # What the page names beside keys: values, settings, parts of a call.
 WORDS = {
-    'message', 'inputs', 'done', 'running', 'ahead', 'first', 'replanned', 'remember', 'threshold',
+    'message', 'inputs', 'done', 'running', 'ahead', 'first', 'replanned', 'again', 'remember',
+    'threshold',
     'unforeseen', 'partial_goals', 'interest_in_facts', 'interest_in_way',
 }  # fmt: skip
 

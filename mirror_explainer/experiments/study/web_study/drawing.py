@@ -106,14 +106,14 @@ class Drawing:
 
 
 _CORRIDOR = (212.0, 84.0)  # a telephone's large letters fit in
-_ROOM = (245.0, 160.0)
+_ROOM = (236.0, 160.0)
 _KNOWN: Mapping[str, Place] = {
     'left': Place(111, 100, '', *_CORRIDOR, False),
     'center': Place(347, 100, '', *_CORRIDOR, False),
     'right': Place(603, 100, '', *_CORRIDOR, False),
     'doors': Place(255, 250, '', 252, 56, False),
-    'red_room': Place(130, 430, '', *_ROOM, True),
-    'blue_room': Place(383, 430, '', *_ROOM, True),
+    'red_room': Place(124, 430, '', *_ROOM, True),
+    'blue_room': Place(366, 430, '', *_ROOM, True),
 }
 _DOORS: Mapping[str, Point] = {
     'top_left_door': Point(40, 26),

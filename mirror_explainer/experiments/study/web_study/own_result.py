@@ -84,7 +84,7 @@ class Chart:
     @property
     def height(self) -> int:
         """The whole height, with the axis' words."""
-        return self.bottom + 52
+        return self.bottom + 62
 
 
 def chart(of: Sequence[Encountered], simulated: Mapping[str, float]) -> Chart:
