@@ -78,17 +78,17 @@ def explain(
     question = question or Question()
     listener = chosen(preparation.listener, question.listener, question.min_gain)
     model = preparation.model_for(listener)
-    heard = positions_of(said, said_source, model)
-    first = not heard
+    known = positions_of(said, said_source, model)
+    first = not known
     if not question.tell_past:
-        heard = tuple(sorted({*heard, *_past(preparation, model)}))
-    selection = _selection(model, question, heard, first)
+        known = tuple(sorted({*known, *_past(preparation, model)}))
+    selection = _selection(model, question, known, first)
     return Explanation(
         preparation,
         model,
         question,
         selection,
-        heard,
+        known,
         time.perf_counter() - started,
         _opening(preparation, last_episode),
     )
@@ -113,11 +113,11 @@ def _opening(preparation: Preparation, last_episode: int | None) -> str:
 
 
 def _selection(
-    model: MirrorModel, question: Question, heard: Sequence[int], first: bool
+    model: MirrorModel, question: Question, known: Sequence[int], first: bool
 ) -> Selection:
-    evidence = model.evidence(heard)
+    evidence = model.evidence(known)
     nothing = Selection((), 0.0)
-    if not evidence.places or (heard and evidence.doubt_before < question.threshold):
+    if not evidence.places or (known and evidence.doubt_before < question.threshold):
         return nothing
     if question.strategy != 'informative':
         return baseline(evidence, question.strategy, question.n, question.threshold)

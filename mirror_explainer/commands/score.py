@@ -10,13 +10,13 @@ from mirror_explainer.listener.explanation import Explanation
 def scores(explanation: Explanation, sentences: Sequence[str]) -> dict[str, Any]:
     """Return what each sentence would tell alone, and all of them together.
 
-    Given what was said before. Raises InputError for one that no step is said as.
+    Given what is known before. Raises InputError for one that no step is said as.
     """
-    model, said = explanation.model, explanation.said
-    before = model.doubt(said)
+    model, known = explanation.model, explanation.known
+    before = model.doubt(known)
 
     def told(heard: Sequence[str]) -> dict[str, float]:
-        positions = [*said, *positions_of(heard, '--score', model)]
+        positions = [*known, *positions_of(heard, '--score', model)]
         return {
             'information_gain': before - model.doubt(positions),
             'understanding': model.understanding(positions),

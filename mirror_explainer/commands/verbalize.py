@@ -68,7 +68,7 @@ def _verbalize(options: argparse.Namespace) -> list[str]:
     )
     order = _order(explanation) if options.order else None
     curves = (
-        strategy_curves(explanation.model, explanation.said, options.selection_budget)
+        strategy_curves(explanation.model, explanation.known, options.selection_budget)
         if options.curve
         else None
     )
@@ -88,9 +88,9 @@ def _verbalize(options: argparse.Namespace) -> list[str]:
 def _order(explanation: Explanation) -> list[dict[str, Any]]:
     """Return the informative order: each step with its gain, and what is understood after it."""
     model = explanation.model
-    heard = list(explanation.said)
+    heard = list(explanation.known)
     steps = []
-    for addition in informative_order(model.evidence(explanation.said)):
+    for addition in informative_order(model.evidence(explanation.known)):
         heard.append(addition.position)
         steps.append(
             {

@@ -109,12 +109,10 @@ def _verbs_of(words: list[str]) -> list[int]:
         if not (joined or listed) or _is_adverb(words[place]) or not is_verb(word):
             continue
         following = words[place + 1] if place + 1 < len(words) else ''
-        if (
-            words[place] == word
-            and (following.startswith('{') or following in _AFTER_VERBS)
-            or joined
-            and (len(verbs) > 1 or before - 1 in verbs or not _inflections(word).keys() - {'VERB'})
-        ):
+        has_object = following.startswith('{') or following in _AFTER_VERBS
+        follows_verb = len(verbs) > 1 or before - 1 in verbs
+        is_nothing_else = joined and not _inflections(word).keys() - {'VERB'}
+        if (words[place] == word and has_object) or (joined and follows_verb) or is_nothing_else:
             verbs.append(place)
         elif joined:
             return []

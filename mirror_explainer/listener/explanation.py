@@ -33,15 +33,16 @@ class Explanation:
     """What to say, and what it does to the listener's beliefs.
 
     Its attributes are the keys of the JSON (docs). `selection` has the plan positions in plan
-    order (from 0), the information gain and its gap (nats). `said` are positions whose
-    sentences were said before: all quantities are given these.
+    order (from 0), the information gain and its gap (nats). `known` are positions whose
+    sentences the listener knows: they were said before, or are done where the past is not
+    told. All quantities are given these.
     """
 
     preparation: Preparation
     model: MirrorModel
     question: Question
     selection: Selection
-    said: tuple[int, ...]
+    known: tuple[int, ...]
     seconds_selecting: float = 0.0
     opening: str = ''
 
@@ -86,14 +87,14 @@ class Explanation:
         if self.positions:
             told = [(self.model.plan.actions[p], statuses[p]) for p in self.positions]
             return spoken(sentences, told)
-        heard = {self.model.sentences[position] for position in self.said}
+        heard = {self.model.sentences[position] for position in self.known}
         if heard.issuperset(self.model.sentences):
             return sentences.phrases.all_heard
         return sentences.phrases.nothing_more
 
     @property
     def _heard(self) -> list[int]:
-        return [*self.said, *self.positions]
+        return [*self.known, *self.positions]
 
     @property
     def information_gain(self) -> float:
@@ -102,32 +103,32 @@ class Explanation:
 
     @cached_property
     def doubt_before(self) -> float:
-        """D(said) in nats."""
-        return self.model.doubt(self.said)
+        """D(known) in nats."""
+        return self.model.doubt(self.known)
 
     @cached_property
     def doubt_after(self) -> float:
-        """D(said, o) in nats."""
+        """D(known, o) in nats."""
         return self.model.doubt(self._heard)
 
     @cached_property
     def cross_entropy_before(self) -> float:
-        """H(said) in nats (Eq. 1)."""
-        return self.model.cross_entropy(self.said)
+        """H(known) in nats (Eq. 1)."""
+        return self.model.cross_entropy(self.known)
 
     @cached_property
     def cross_entropy_after(self) -> float:
-        """H(said, o) in nats."""
+        """H(known, o) in nats."""
         return self.model.cross_entropy(self._heard)
 
     @cached_property
     def understanding_before(self) -> float:
-        """P(G = G_R | said), in [0, 1]."""
-        return self.model.understanding(self.said)
+        """P(G = G_R | known), in [0, 1]."""
+        return self.model.understanding(self.known)
 
     @cached_property
     def understanding(self) -> float:
-        """P(G = G_R | said, o), in [0, 1]."""
+        """P(G = G_R | known, o), in [0, 1]."""
         return self.model.understanding(self._heard)
 
     @property
@@ -195,7 +196,7 @@ class Explanation:
     @cached_property
     def goals(self) -> list[dict[str, Any]]:
         """Each candidate's name, prior and posterior; last, nameless, those that lack a part."""
-        before = self.model.goal_posterior(self.said).tolist()
+        before = self.model.goal_posterior(self.known).tolist()
         after = self.model.goal_posterior(self._heard).tolist()
         names = [*(goal.name for goal in self.model.goals), None]
         return [
@@ -206,7 +207,7 @@ class Explanation:
     @cached_property
     def facts(self) -> list[dict[str, Any]]:
         """Each uncertain fact with prior, posterior, and whether it is true."""
-        before = self.model.fact_posterior(self.said)
+        before = self.model.fact_posterior(self.known)
         after = self.model.fact_posterior(self._heard)
         true = self.model.robot_belief.true_facts
         return [
@@ -217,11 +218,11 @@ class Explanation:
     @cached_property
     def baselines(self) -> list[dict[str, Any]]:
         """What the first and the last steps, as many as are said, would have told instead."""
-        evidence = self.model.evidence(self.said)
+        evidence = self.model.evidence(self.known)
         told = []
         for strategy in ORDERS:
             positions = baseline(evidence, strategy, self.n).positions
-            understanding = self.model.understanding([*self.said, *positions])
+            understanding = self.model.understanding([*self.known, *positions])
             told.append(
                 {
                     'strategy': strategy,
@@ -237,7 +238,7 @@ class Explanation:
         rows = zip(
             self.model.plan.actions,
             self.preparation.statuses,
-            self.model.single_gains(self.said),
+            self.model.single_gains(self.known),
             strict=True,
         )
         return [

@@ -96,6 +96,10 @@ class Preparation:
         """Return it with the robot as far as in a newer one of the same task."""
         return replace(self, situation=newer.situation, inputs=newer.inputs)
 
+    def knowing(self, results: Mapping[Belief, BeliefPlans]) -> 'Preparation':
+        """Return it with these plans, and so with other models."""
+        return replace(self, results=results, _models={})
+
     def warned(self, warning: str) -> 'Preparation':
         """Return it with one more warning."""
         return replace(self, warnings=(*self.warnings, warning))
@@ -194,7 +198,7 @@ def refine(
             progress(len(found), len(beliefs))
         if on_refined and time.monotonic() - told > _BETWEEN_REFINEMENTS:
             told = time.monotonic()
-            on_refined(replace(preparation, results=dict(found), _models={}))
+            on_refined(preparation.knowing(dict(found)))
 
     report = planner.plan(
         prior.space,
@@ -209,13 +213,11 @@ def refine(
         _require_truth(results[beliefs[0]], preparation.way.plan)
     seconds = replace(preparation.seconds, planning=time.monotonic() - started)
     return replace(
-        preparation,
-        results=results,
+        preparation.knowing(results),
         warnings=(*preparation.warnings, *_warnings(prior, results)),
         seconds=seconds,
         planner_calls=report.planner_calls,
         failed_beliefs=report.failed,
-        _models={},
     )
 
 

@@ -276,7 +276,6 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
         keys = ['"template" and "when"'] if len(detail['loc']) == 2 else []
         mappings = ', or '.join([*keys, '"future", "present" and "past"'])
         return f'this should be the sentence as a text, or a mapping with {mappings}'
-        return 'this should be the sentence as a text, or a mapping with "template" and "when"'
     if detail['type'] == 'model_type' and detail['loc'][0] == 'listener':
         return 'this should be open or planner, or a mapping with "kind" and numbers'
     if detail['type'] in ('model_type', 'dict_type'):

@@ -71,7 +71,7 @@ class Planned:
         if count == 1:
             return self.one
         results = {belief: _sampled(result, count) for belief, result in self.many.results.items()}
-        return replace(self.many, results=results, _models={})
+        return self.many.knowing(results)
 
 
 def plan_task(drawn: DrawnTask, planner: Planner, deadline: float) -> Planned:
