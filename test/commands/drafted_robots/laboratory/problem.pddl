@@ -1,0 +1,11 @@
+(define (problem night-shift) (:domain laboratory)
+  (:objects corridor reception cold_room wet_lab spectrum_lab archive_room - room
+    sample_a sample_b sample_c - sample spectrometer analyser - machine iron glucose lipids - test)
+  (:init (robot-in corridor) (hand-free) (warmed-up analyser) (freezer-in archive_room)
+    (door corridor reception) (door reception corridor) (door corridor cold_room) (door cold_room corridor)
+    (door corridor wet_lab) (door wet_lab corridor) (door wet_lab spectrum_lab) (door spectrum_lab wet_lab)
+    (door corridor archive_room) (door archive_room corridor)
+    (stands analyser wet_lab) (stands spectrometer spectrum_lab)
+    (does spectrometer iron) (does analyser glucose) (does analyser lipids)
+    (sample-in sample_a reception) (sample-in sample_b cold_room) (sample-in sample_c cold_room))
+  (:goal (and (measured sample_b iron) (measured sample_b glucose) (archived sample_b))))

@@ -1,0 +1,13 @@
+(define (problem tuesday) (:domain windfarm)
+  (:objects base valley west_slope east_slope north_hill - place
+    turbine_1 turbine_2 turbine_3 turbine_4 - turbine colour infrared - mode)
+  (:init (over base) (landed) (pad base) (battery-full) (wind-low) (needs-cooling infrared)
+    (= (total-cost) 0)
+    (route base valley) (route valley base) (= (seconds base valley) 20) (= (seconds valley base) 20)
+    (route valley west_slope) (route west_slope valley) (= (seconds valley west_slope) 30) (= (seconds west_slope valley) 30)
+    (route valley east_slope) (route east_slope valley) (= (seconds valley east_slope) 35) (= (seconds east_slope valley) 35)
+    (route east_slope north_hill) (route north_hill east_slope) (= (seconds east_slope north_hill) 45) (= (seconds north_hill east_slope) 45)
+    (ridge west_slope north_hill) (ridge north_hill west_slope) (= (seconds west_slope north_hill) 15) (= (seconds north_hill west_slope) 15)
+    (sees west_slope turbine_1) (sees west_slope turbine_2) (sees east_slope turbine_3) (sees north_hill turbine_4))
+  (:goal (and (photographed turbine_2 colour) (photographed turbine_4 infrared) (landed)))
+  (:metric minimize (total-cost)))
