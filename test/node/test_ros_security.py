@@ -55,7 +55,14 @@ def test_all_that_stands_in_the_policys_list_of_enclaves_is_an_enclave():
 
     paths = [enclave.get('path') for enclave in enclaves]
 
-    assert paths == ['/mirror_explainer', '/robot', '/operator_page', '/operator']
+    assert paths == [
+        '/mirror_explainer',
+        '/robot',
+        '/plansys2_bridge',
+        '/task_list_robot',
+        '/operator_page',
+        '/operator',
+    ]
 
 
 def used(peer: Peer, node: str) -> dict[str, set[str]]:
@@ -109,6 +116,24 @@ def test_the_policy_allows_the_demo_robot_what_it_uses_and_no_more(peer, tmp_pat
     with running('warehouse_robot', peer.node.get_namespace(), tmp_path):
         eventually(lambda: peer.hear('plan'), 'the plan')
         found = used_in_the_end(peer, 'warehouse_robot', expected)
+    assert found == expected
+
+
+def test_the_policy_allows_the_task_list_what_it_uses_and_no_more(peer, tmp_path):
+    expected = allowed('/task_list_robot', peer.node.get_namespace())
+    with running('task_list_robot', peer.node.get_namespace(), tmp_path):
+        eventually(lambda: peer.hear('domain'), 'the domain')
+        found = used_in_the_end(peer, 'task_list_robot', expected)
+    assert found == expected
+
+
+def test_the_policy_allows_the_bridge_from_plansys2_what_it_uses_and_no_more(peer, tmp_path):
+    from plansys2_peer import bridge
+
+    expected = allowed('/plansys2_bridge', peer.node.get_namespace())
+    with bridge(peer, tmp_path) as process:
+        eventually(lambda: 'is not there' in process.log, 'what it misses in the log')
+        found = used_in_the_end(peer, 'plansys2_bridge', expected)
     assert found == expected
 
 
