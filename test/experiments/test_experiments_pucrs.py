@@ -4,8 +4,11 @@ import os
 import tarfile
 from pathlib import Path
 
-import pandas as pd
 import pytest
+
+pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
+
+import pandas as pd
 
 from mirror_explainer.experiments.averages import said_at
 from mirror_explainer.experiments.benchmark import pucrs

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
+pytest.importorskip('tabulate', reason='the extra [experiments] is not installed')
 
 import rclpy
 from soak import WARM_UP, not_flat, soak
