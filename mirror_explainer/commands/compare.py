@@ -1,7 +1,7 @@
 """The three strategies side by side on your own domain: `python3 -m … .compare --help`.
 
 The paper's Table 1 as text, and a figure of understanding and information gain
-against N: what it takes to choose `n` or `threshold` for a robot.
+against N: what it takes to choose `n`, `threshold` and `rationality` for a robot.
 """
 
 import argparse
@@ -17,12 +17,14 @@ from mirror_explainer.commands.offline import (
     add_planning_arguments,
     prepare_as_asked,
     strategy_curves,
+    usual_rationality,
 )
 from mirror_explainer.commands.options import number
 from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.listener.listeners import chosen
 from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.planning import Plan
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import informative_order
 from mirror_explainer.selection.enumeration import TIE
@@ -32,6 +34,8 @@ from mirror_explainer.text_files import write_text
 # How sure of the goal the listener should be; 0.85 is the paper's headline.
 LEVELS = (0.5, 0.85, 0.95)
 _RECOMMENDED = 0.85
+# Of all that sentences can tell: what more than that adds is little.
+_MOST = 0.9
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -48,12 +52,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 options.problem, "the robot's goal is reached: nothing is left to say"
             )
         curves = strategy_curves(model, budget=options.selection_budget)
-        tables = '\n\n'.join([spoken_orders(model), gains(curves), levels(curves)])
+        both = {
+            name: strategy_curves(preparation.model_for(chosen(preparation.listener, name)))
+            for name in LISTENERS
+        }
+        tables = '
+
+'.join(
+            [spoken_orders(model), gains(curves), levels(curves), either_listener(both)]
+        )
+        hints = f'{hint(curves)}
+
+{cost_hint(model.plan, preparation.rationality)}'
         if options.output:
-            write_text(options.output, f'{tables}\n\n{hint(curves)}\n')
+            write_text(options.output, f'{tables}\n\n{hints}\n')
         else:
             tell(f'{tables}\n')
-            tell(hint(curves), 'bold green')
+            tell(hints, 'bold green')
         if options.figure:
             # Not before the extras are known to be there.
             from mirror_explainer.commands.compare_figure import comparison_figure
@@ -110,6 +125,46 @@ def levels(curves: Sequence[Mapping[str, Any]]) -> str:
     ]
     headers = ['goal understood', *(f'N {strategy}' for strategy in reversed(STRATEGIES))]
     return _table(rows, headers, stralign='right', numalign='right')
+
+
+def either_listener(curves: Mapping[str, Sequence[Mapping[str, Any]]]) -> str:
+    """Return what each listener makes of what is best for them, and where that flattens."""
+    most = max(flattens(rows, 1.0) for rows in curves.values())
+    shown = [
+        [n + 1, *(f'{rows[n]["informative"]["understanding"]:.0%}' for rows in curves.values())]
+        for n in range(most)
+    ]
+    flat = ', '.join(f'n: {flattens(rows, _MOST)} for {name}' for name, rows in curves.items())
+    return (
+        'Goal understood by either listener, each told what is best for them, and no more with '
+        'more sentences:\n\n'
+        + _table(shown, ['N', *curves], stralign='right')
+        + f'\n\nThe curves flatten, with {_MOST:.0%} of all nats told, at {flat}.'
+    )
+
+
+def flattens(curves: Sequence[Mapping[str, Any]], share: float) -> int:
+    """Return the smallest N that tells this share of what can be told."""
+    gains = [row['informative']['information_gain'] for row in curves]
+    return 1 + next(n for n, gain in enumerate(gains) if gain >= share * max(gains) - TIE)
+
+
+def cost_hint(plan: Plan, rationality: float) -> str:
+    """Return what the costs of actions say of the `rationality` that there is."""
+    usual = plan.cost / len(plan.actions)
+    if not usual:
+        return "Hint: the plan's steps cost nothing: rationality plays no part."
+    fitting = usual_rationality(plan)
+    advice = (
+        'That is as usual.'
+        if 0.5 <= rationality / fitting <= 2.0
+        else f'rationality: {fitting:g} would make that e = 2.7 times, as is usual.'
+    )
+    return (
+        f'Hint: a step of the plan costs {usual:.3g} in the mean. With rationality: '
+        f'{rationality:g} a way that is longer\nby one such step is '
+        f'e^{rationality * usual:.2g} times less expected. {advice}'
+    )
 
 
 def reached(curves: Sequence[Mapping[str, Any]], strategy: str, level: float) -> int | None:

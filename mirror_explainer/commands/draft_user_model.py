@@ -14,6 +14,7 @@ from mirror_explainer.commands.drafting.facts import doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
 from mirror_explainer.commands.drafting.patterns import World
 from mirror_explainer.commands.drafting.words import drafted_words
+from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
 from mirror_explainer.commands.terminal import command_parser, tell, tell_error
 from mirror_explainer.errors import InputError, PlanningError
@@ -56,9 +57,7 @@ def _draft(options: argparse.Namespace) -> tuple[str, str]:
     )
     world = World(task)
     own = world.parts(task.goal_text)
-    seen: Counter[str] = Counter()
-    for path in options.goals_seen:
-        seen.update(read_goals_seen(path))
+    seen = _goals_seen(world, options.goals_seen)
     settings = settings_from(PlanningSettings, options)
     with Planner.of(settings) as planner:
         plan = _robot_plan(task, options.plan, planner, settings)
@@ -70,11 +69,29 @@ def _draft(options: argparse.Namespace) -> tuple[str, str]:
             facts,
             task.initial_facts,
             drafted_words(task, plan.plan.actions),
-            _rationality(plan),
+            usual_rationality(plan.plan),
         )
         answers = _answers(task, plan, text, planner, settings)
     commented = ''.join(f'# {line}'.rstrip() + '\n' for line in answers.split('\n'))
     return f'{_HEAD}#\n{commented}\n{text}', answers
+
+
+def _goals_seen(world: World, paths: Sequence[str]) -> Counter[str]:
+    """Return the goals in files with their counts; those of other problems are left out."""
+    seen: Counter[str] = Counter()
+    for path in paths:
+        left_out = []
+        for goal, count in read_goals_seen(path).items():
+            try:
+                world.parts(goal)
+                seen[goal] += count
+            except InputError as error:
+                left_out.append(f'{goal}: {error.reason}')
+        if left_out:
+            more = f' (and {len(left_out) - 1} more)' if len(left_out) > 1 else ''
+            warning = f'{path}: left out, since it is no goal of this problem: {left_out[0]}{more}'
+            print(f'draft_user_model: warning: {warning}', file=sys.stderr)
+    return seen
 
 
 def _robot_plan(
@@ -102,13 +119,6 @@ def _examples(
         like = (g for g in world.goals(candidate.pattern) if set(g).isdisjoint(own))
         examples += [goal for goal in [next(like, None)] if goal]
     return examples
-
-
-def _rationality(plan: RobotPlan) -> float:
-    """Return β so that a usual step of the robot's plan counts as about 1."""
-    steps = len(plan.plan.actions)
-    mean = plan.plan.cost / steps if steps else 0.0
-    return float(f'{1 / mean:.1g}') if mean > 0 else 1.0
 
 
 def _answers(

@@ -24,7 +24,7 @@ from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.pddl.situation import Situation, situation_of
-from mirror_explainer.planning import Planner
+from mirror_explainer.planning import Plan, Planner
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import Selection, baseline, curve
 from mirror_explainer.settings import PlanningSettings, Question
@@ -158,6 +158,12 @@ def _show_progress(done: int, beliefs: int) -> None:
     if sys.stderr.isatty():
         words = f'planning {done} of {beliefs}' if done < beliefs else ''
         print(f'\r{words:40}\r', end='', file=sys.stderr, flush=True)
+
+
+def usual_rationality(plan: Plan) -> float:
+    """Return the β with which a way that is longer by a usual step is e times less expected."""
+    mean = plan.cost / len(plan.actions) if plan.actions else 0.0
+    return float(f'{1 / mean:.1g}') if mean > 0 else 1.0
 
 
 def strategy_curves(
