@@ -56,14 +56,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             name: strategy_curves(preparation.model_for(chosen(preparation.listener, name)))
             for name in LISTENERS
         }
-        tables = '
-
-'.join(
+        tables = '\n\n'.join(
             [spoken_orders(model), gains(curves), levels(curves), either_listener(both)]
         )
-        hints = f'{hint(curves)}
-
-{cost_hint(model.plan, preparation.rationality)}'
+        hints = f'{hint(curves)}\n\n{cost_hint(model.plan, preparation.rationality)}'
         if options.output:
             write_text(options.output, f'{tables}\n\n{hints}\n')
         else:

@@ -92,6 +92,43 @@ def test_goals_seen_come_by_their_frequency(park, tmp_path):
     weights = {entry['goal']: entry['probability'] for entry in model['goals']}
     assert weights['(watered lilies)'] == 7.0
     assert weights['(and (watered roses) (emptied red_bin))'] == 1.0
+    # Two different goals of two forms: as much is new in each form as one goal, and one
+    # more for the form itself. The single bed has a part less than the robot's own goal: 0.3
+    # for that, half of which leaves out the bin.
+    assert weights['(and (watered {bed}) (emptied {bin}))'] == 2.0
+    assert weights['(watered {bed})'] == pytest.approx(2.15)
+
+
+def test_a_goal_seen_in_another_problem_is_left_out_with_a_warning(park, tmp_path, capsys):
+    seen = tmp_path / 'seen.txt'
+    seen.write_text('(watered tulips)\n(watered lilies)\n(mown lawn)\n')
+    _, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
+    assert '(watered lilies)' in {entry['goal'] for entry in model['goals']}
+    assert capsys.readouterr().err == (
+        f'draft_user_model: warning: {seen}: left out, since it is no goal of this problem: '
+        '(watered tulips): the problem has no object "tulips" '
+        '(and 1 more)\n'
+    )
+
+
+def test_one_object_may_have_the_place_of_two():
+    domain = """(define (domain photos) (:requirements :strips :typing) (:types tower mode)
+      (:predicates (taken ?t - tower ?m - mode) (dark ?m - mode))
+      (:action take :parameters (?t - tower ?m - mode) :effect (taken ?t ?m)))"""
+    task = read_task(
+        domain,
+        """(define (problem p) (:domain photos) (:objects t1 t2 t3 - tower colour infrared - mode)
+        (:init (dark infrared)) (:goal (and (taken t1 colour) (taken t2 infrared))))""",
+    )
+    world = World(task)
+    goals = {
+        frozenset(goal)
+        for pattern in world.with_one_twice(world.parts(task.goal_text))
+        for goal in world.goals(pattern)
+    }
+    # Two of three towers in either mode, and one tower in both.
+    assert len(goals) == 3 * 2 + 3
+    assert frozenset(['(taken t1 colour)', '(taken t3 colour)']) in goals
 
 
 def test_a_file_of_goals_seen_that_is_broken_is_told(park, tmp_path, capsys):

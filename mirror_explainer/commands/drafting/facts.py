@@ -17,7 +17,7 @@ from mirror_explainer.pddl.atoms import effects_in
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 
 MOST_FACTS = 6
-MOST_GROUPS = 3
+MOST_GROUPS = 3  # and no more than facts, but one
 # How many facts are tried, for as many goals.
 _TRIED_FACTS = 40
 _TRIED_GOALS = 6
@@ -215,10 +215,17 @@ def doubts(
         return [_effect(possible, *pair, change) for pair in zip(usual, results, strict=True)]
 
     told = [f for f in tried if {'cost', 'other'} & set(effect(frozenset([f])))]
-    kept = [group for group in groups if all(_matters(effect(c)) for c in _moves(group))]
+    told = sorted(told, key=lambda f: (len(words_of(f)), f not in needed))[:MOST_FACTS]
+    # First the places that are nearer or farther, then those that are only elsewhere.
+    moved = {group: [effect(change) for change in _moves(group)] for group in groups}
+    farther, elsewhere = (
+        [group for group in groups if all(_lead_to(kinds, e) for e in moved[group])]
+        for kinds in ({'cost'}, {'cost', 'other'})
+    )
+    kept = list(dict.fromkeys([*farther, *elsewhere]))
     return Doubts(
-        tuple(sorted(told, key=lambda f: (len(words_of(f)), f not in needed))[:MOST_FACTS]),
-        tuple(kept[:MOST_GROUPS]),
+        tuple(told),
+        tuple(kept[: min(MOST_GROUPS, max(1, len(told)))]),
         len(tried),
         all(result.status is not Status.UNKNOWN for result in report.results),
     )
@@ -242,6 +249,6 @@ def _moves(group: Sequence[str]) -> list[frozenset[str]]:
     return [frozenset([group[0], other]) for other in group[1:]]
 
 
-def _matters(effects: Sequence[str]) -> bool:
-    """Say whether a change makes some plan cost otherwise, and none impossible."""
-    return 'cost' in effects and 'none' not in effects
+def _lead_to(kinds: set[str], effects: Sequence[str]) -> bool:
+    """Say whether a change has an effect of these kinds on some plan, and leaves each goal one."""
+    return not kinds.isdisjoint(effects) and 'none' not in effects

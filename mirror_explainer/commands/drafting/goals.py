@@ -1,14 +1,14 @@
 """Candidate goals: the robot's own and those seen, and what is like them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from mirror_explainer.commands.drafting.patterns import Pattern, World
 
 # More candidates than these are left out, as comments.
 MOST_CANDIDATES = 600
-# How much is expected of goals that were never seen, for one that was.
-_LIKE_SEEN, _PART = 0.1, 0.03
+# How much is expected of goals of nearly the same form, beside those of the same.
+_NEARLY = 0.3
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,9 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     """Return the candidates: the goals seen, what is like the robot's own and them, and parts.
 
     `own` are the parts of the robot's goal, which counts as seen once more where others
-    were seen; `seen` are goals with how often. Raises InputError for one that is none of the
-    task's.
+    were seen; `seen` are goals with how often. A goal that is new is expected as often as one
+    was: once for each different goal, of its form (Witten and Bell's estimate), and once
+    for each form (Laplace's). Raises InputError for a goal that is none of the task's.
     """
     often = {tuple(own): 1}
     for goal, count in seen.items():
@@ -41,33 +42,46 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     if seen:
         for parts, count in often.items():
             found[Pattern(parts)] = (float(count), "the robot's own goal, or one seen")
-    share = _LIKE_SEEN if seen else 1.0
-    for parts, count in often.items():
-        for pattern in world.like(parts):
-            _add(world, found, pattern, share * count, 'like them' if seen else 'like its own')
+    why = 'like them' if seen else 'like its own'
+    for parts in often:
+        _add(world, found, world.like(parts), why, weight=1.0, first=1.0)
     for parts in often:
         for fewer in _without_one(parts):
-            for pattern in world.like(fewer):
-                _add(world, found, pattern, _PART, 'with a part less', more=False)
+            _add(world, found, world.like(fewer), 'with a part less', _NEARLY / len(parts))
+    for parts in often:
+        _add(world, found, world.with_one_twice(parts), 'with one object for two', _NEARLY)
     return list(_bounded(world, found))
 
 
 def _add(
     world: World,
     found: dict[Pattern, tuple[float, str]],
-    pattern: Pattern,
-    weight: float,
+    patterns: Sequence[Pattern],
     why: str,
-    more: bool = True,
+    weight: float,
+    first: float = 0.0,
 ) -> None:
-    """Add a pattern, or with `more` its weight to one that stands for the same goals."""
-    goals = {frozenset(goal) for goal in world.goals(pattern)}
-    for known, (before, reason) in found.items():
-        alike = sorted(map(_head, known.parts)) == sorted(map(_head, pattern.parts))
-        if alike and goals <= {frozenset(goal) for goal in world.goals(known)}:
-            found[known] = (before + weight * more, reason)
-            return
-    found[pattern] = (weight, why)
+    """Add patterns, which share the weight.
+
+    One that stands for no others than one that is there adds to its weight; `first`
+    is for those that are the first of their form.
+    """
+    for pattern in patterns:
+        goals = {frozenset(goal) for goal in world.goals(pattern)}
+        known = next((known for known in found if _stands_for(world, known, pattern, goals)), None)
+        if known is None:
+            found[pattern] = ((weight + first) / len(patterns), why)
+        else:
+            before, reason = found[known]
+            found[known] = (before + weight / len(patterns), reason)
+
+
+def _stands_for(
+    world: World, known: Pattern, pattern: Pattern, goals: Set[frozenset[str]]
+) -> bool:
+    """Say whether a pattern stands for all the goals of another."""
+    alike = sorted(map(_head, known.parts)) == sorted(map(_head, pattern.parts))
+    return alike and goals <= {frozenset(goal) for goal in world.goals(known)}
 
 
 def _bounded(world: World, found: Mapping[Pattern, tuple[float, str]]) -> Iterator[Candidate]:

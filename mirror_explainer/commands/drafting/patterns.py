@@ -8,6 +8,7 @@ make no sense.
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 from mirror_explainer.listener.goals import parts_of
 from mirror_explainer.pddl import Task, goal_expression, words_of
@@ -99,6 +100,27 @@ class World:
                 return list(dict.fromkeys(found))
         return [Pattern(tuple(parts))]
 
+    def with_one_twice(self, parts: Sequence[str]) -> list[Pattern]:
+        """Return patterns of goals like this one in which one object has the place of two.
+
+        What never changes is asked of the one where it relates objects; what it tells of either
+        of the two alone may differ.
+        """
+        found = []
+        for pattern in self.like(parts):
+            for (kept, kind), (gone, other) in combinations(pattern.types, 2):
+                alone = ({f'{{{kept}}}'}, {f'{{{gone}}}'})
+                merge = {f'{{{gone}}}': f'{{{kept}}}'}
+                merged = Pattern(
+                    tuple(dict.fromkeys(_renamed(part, merge) for part in pattern.parts)),
+                    tuple(item for item in pattern.types if item[0] != gone),
+                    tuple(_renamed(c, merge) for c in pattern.where if _variables(c) not in alone),
+                )
+                sensible = kind == other and len(merged.parts) == len(pattern.parts)
+                if sensible and 0 < self.count(merged) <= MOST_CHOICES:
+                    found.append(merged)
+        return found
+
     def _kinds(self, objects: Sequence[str]) -> list[str]:
         return list(dict.fromkeys(self.types[item] for item in objects))
 
@@ -137,6 +159,10 @@ def _renamed(text: str, names: Mapping[str, str]) -> str:
     """Return a text with its words replaced by the names they have there."""
     renamed = ' '.join(names.get(word, word) for word in _words(text))
     return renamed.replace('( ', '(').replace(' )', ')')
+
+
+def _variables(text: str) -> set[str]:
+    return {word for word in _words(text) if word.startswith('{')}
 
 
 def _words(text: str) -> list[str]:

@@ -1,0 +1,90 @@
+"""Drafted user models beside those by hand, with each two of a robot's other goals as seen.
+
+    python test/benchmarks/drafted_models.py FOLDER …
+
+A folder has `domain.pddl`, `problem.pddl`, `plan.txt`, and a `user.yaml` by hand, such as those in
+test/commands/drafted_robots. Prints for each robot, over all pairs: how many drafts have all
+goals by hand; how many facts and groups of facts are found and proposed, at worst; how many
+name the same ends with at most 1, 2 and 3 sentences; and how many tell the listener by hand as
+much, but for what that one takes for a filler (its `min_gain`). With -v each pair that differs.
+"""
+
+import contextlib
+import io
+import sys
+import tempfile
+from itertools import combinations
+from pathlib import Path
+
+import pandas as pd
+
+sys.path.insert(0, str(Path(__file__).parents[1] / 'helpers'))
+
+from drafted import Drafted, Robot
+
+from mirror_explainer.experiments.markdown import markdown_table
+from mirror_explainer.planning import Planner
+
+
+def main(folders: list[str], verbose: bool) -> None:
+    """Print a table with a row for each robot."""
+    rows = []
+    with Planner(planning_timeout=10.0) as planner:
+        for folder in folders:
+            robot = Robot(Path(folder), planner)
+            pairs = list(combinations(robot.others, 2))
+            drafts = []
+            for pair in pairs:
+                with (
+                    tempfile.TemporaryDirectory() as place,
+                    contextlib.redirect_stdout(io.StringIO()),
+                ):
+                    drafts.append(robot.drafted(pair, Path(place)))
+                if verbose:
+                    tell(robot, [goal.name for goal in pair], drafts[-1])
+            rows.append(row(robot, drafts))
+    headers = ['robot', 'pairs', 'all goals', 'facts found', 'proposed']
+    headers += [f'same ends, {n}' for n in (1, 2, 3)] + [f'as much, {n}' for n in (1, 2, 3)]
+    print(markdown_table(pd.DataFrame(rows, columns=headers)))
+
+
+def row(robot: Robot, drafts: list[Drafted]) -> list[object]:
+    """Return the table's row of a robot."""
+    answers = [zip(draft.answers, robot.answers, strict=True) for draft in drafts]
+    judged = [
+        [
+            (robot.ends(told) == robot.ends(best), robot.loss(told, best) <= filler(robot))
+            for told, best in pairs
+        ]
+        for pairs in answers
+    ]
+    counts = [sum(answer[n][which] for answer in judged) for which in (0, 1) for n in range(3)]
+    by_hand = drafts[0].by_hand
+    return [
+        robot.folder.name,
+        len(drafts),
+        sum(not draft.missing for draft in drafts),
+        f'{min(draft.found for draft in drafts)} of {by_hand}',
+        max(draft.proposed for draft in drafts),
+        *counts,
+    ]
+
+
+def filler(robot: Robot) -> float:
+    """Return the nats that are not worth a sentence."""
+    return robot.model.listener.min_gain or 0.0
+
+
+def tell(robot: Robot, seen: list[str], draft: Drafted) -> None:
+    """Print where a draft differs."""
+    if draft.missing:
+        print(f'{seen}: lacks {draft.missing}')
+    for n, (told, best) in enumerate(zip(draft.answers, robot.answers, strict=True), start=1):
+        ours, theirs = (sorted(map(str, robot.ends(answer))) for answer in (told, best))
+        if ours != theirs:
+            loss = robot.loss(told, best)
+            print(f'{seen}: with {n} {ours}, by hand {theirs}, {loss:.3f} nats less')
+
+
+if __name__ == '__main__':
+    main([word for word in sys.argv[1:] if word != '-v'], '-v' in sys.argv)

@@ -1,0 +1,41 @@
+"""Drafts beside user models that were written by hand, before the drafter was tried on them.
+
+`test/benchmarks/drafted_models.py` does the same for each two goals that may have been seen.
+"""
+
+from pathlib import Path
+
+import pytest
+from drafted import Robot
+
+from mirror_explainer.planning import Planner
+
+ROBOTS = Path(__file__).parent / 'drafted_robots'
+# The names of two goals that each robot was seen to have, beside the one that it has now.
+SEEN = {
+    'kitchen': ('pancake by the window', 'salad outside'),
+    'laboratory': ('sample a for iron and glucose', 'sample c for lipids'),
+    'windfarm': ('turbine 1 in colour', 'only the wind'),
+}
+
+
+@pytest.fixture(scope='module')
+def planner():
+    """One planner for all robots."""
+    with Planner(planning_timeout=10.0) as planner:
+        yield planner
+
+
+@pytest.mark.parametrize('name', SEEN)
+def test_a_draft_has_what_was_written_by_hand_and_the_robot_says_the_same_ends(
+    name, planner, tmp_path
+):
+    robot = Robot(ROBOTS / name, planner)
+
+    drafted = robot.drafted([g for g in robot.others if g.name in SEEN[name]], tmp_path)
+
+    assert not drafted.missing
+    assert drafted.found >= 0.8 * drafted.by_hand
+    assert drafted.proposed <= 2 * drafted.by_hand
+    ends = [robot.ends(positions) for positions in drafted.answers]
+    assert ends == [robot.ends(positions) for positions in robot.answers]
