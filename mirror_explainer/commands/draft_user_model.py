@@ -16,7 +16,7 @@ from mirror_explainer.commands.drafting.patterns import World
 from mirror_explainer.commands.drafting.words import drafted_words
 from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
-from mirror_explainer.commands.terminal import command_parser, tell, tell_error
+from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.goals_seen import read_goals_seen
@@ -90,7 +90,7 @@ def _goals_seen(world: World, paths: Sequence[str]) -> Counter[str]:
         if left_out:
             more = f' (and {len(left_out) - 1} more)' if len(left_out) > 1 else ''
             warning = f'{path}: left out, since it is no goal of this problem: {left_out[0]}{more}'
-            print(f'draft_user_model: warning: {warning}', file=sys.stderr)
+            tell_warning('draft_user_model', warning)
     return seen
 
 
