@@ -15,6 +15,7 @@ from pathlib import Path
 
 from fuzz_readers import (
     MODELS,
+    PAIRS,
     PLAN_WORDS,
     PLANS,
     YAML_WORDS,
@@ -41,6 +42,7 @@ def tasks() -> tuple[st.SearchStrategy[tuple[str, ...]], Callable[..., bool]]:
         forget_expressions()
         return try_task(domain, problem)
 
+    read(*PAIRS[0])  # what unified-planning imports to read a task takes a second
     return damaged_pairs(), read
 
 

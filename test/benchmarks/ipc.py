@@ -2,7 +2,7 @@
 
 Run `MIRROR_EXPLAINER_IPC=FOLDER scripts/benchmark ipc [NAME …]`. The folder has tasks in
 folders, `NAME/domain.pddl` and `NAME/problem.pddl`. Each is read; planners look for a plan of
-the robot, each for `--seconds` of their own processor time: LAMA's first search and a greedy one
+the robot, each for `--seconds` of their own processor time: LAMA's first search and an eager one
 of Fast Downward on the texts that the reader makes for planners, and LPG, if `pip install up-lpg`
 brought it, on the texts as they are, of which it keeps time and numbers. The listener, who thinks
 that the robot may want any part of its goal, is told two steps of the first plan that is one:
@@ -162,12 +162,12 @@ def downward(texts: Texts, seconds: float) -> str | None:
             text = (folder / file).read_text()
             (folder / file).write_text(re.sub(r'(?<=\d)\.\d+', '', text))
         translate = (sys.executable, '-m', 'fast_downward.translate', *FILES)
-        left = seconds - _run(translate, folder, seconds)
+        seconds -= _run(translate, folder, seconds)
         task, plan = folder / 'output.sas', folder / 'plan'
-        for search, share in ((LAMA, 0.5), (GREEDY, 1.0)) if task.exists() else ():
+        for search in (LAMA, EAGER) if task.exists() else ():
             program = find_downward('') or 'downward'
             command = (program, '--search', search, '--internal-plan-file', plan.name)
-            left -= _run(command, folder, share * left, task)
+            _run(command, folder, seconds, task)
             if plan.exists():
                 return plan.read_text()
     return None
