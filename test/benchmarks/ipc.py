@@ -44,8 +44,8 @@ LAMA = (
     'pref=false),cost_type=one),let(hff,eval_modify_costs(ff(),cost_type=one),'
     'lazy_greedy([hff,hlm],preferred=[hff,hlm],cost_type=one,reopen_closed=false)))'
 )
-GREEDY = (
-    'let(h,eval_modify_costs(ff(),cost_type=one),lazy_greedy([h],preferred=[h],cost_type=one))'
+EAGER = (
+    'let(h,eval_modify_costs(ff(),cost_type=one),eager_greedy([h],preferred=[h],cost_type=one))'
 )
 WRONG_USAGE = 33  # the exit status of a search that does not understand what it is told
 
