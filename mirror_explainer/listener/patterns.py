@@ -95,11 +95,13 @@ def _entries(
     if choices is None:
         return [rest] if key != 'facts' else [rest | {'facts': {text: 1.0}}]
     chosen = list(choices.of(kinds, where))
+    if not chosen:
+        if where and next(choices.of(kinds, ''), None):
+            raise InputError('where', 'this holds initially for no choice of objects')
+        raise InputError('for', 'the problem has too few objects of these types')
     if key == 'goal':
         return written_goals.of(rest, chosen, choices.task)
     texts = list(dict.fromkeys(filled(text, choice) for choice in chosen))
-    if not texts:
-        raise InputError('for', 'no choice of objects is left')
     if key == 'facts':
         return [rest | {'facts': dict.fromkeys(texts, 1.0)}]
     return [rest | {'fact': fact} for fact in texts]
@@ -136,8 +138,6 @@ class _Goals:
             except InputError as error:
                 raise InputError('goal', error.reason) from error
             goals.setdefault(frozenset(parts_of(expression, task.model)), {**entry, **texts})
-        if not goals:
-            raise InputError('for', 'no choice of objects is left')
         weight: Any = entry.get('probability')
         weighted = isinstance(weight, int | float) and not isinstance(weight, bool)
         new = []

@@ -23,6 +23,13 @@ __all__ = ['Expressions', 'as_text', 'nested_words']
 Bound = Mapping[str, 'up.Variable | up.Parameter']
 
 COMPARISONS = ('=', '<', '<=', '>', '>=')
+_FORMS = {
+    'not': '(not condition)',
+    'imply': '(imply condition condition)',
+    'forall': '(forall (?x - type) condition)',
+    'exists': '(exists (?x - type) condition)',
+    **{sign: f'({sign} one other)' for sign in COMPARISONS},
+}
 
 
 @dataclass(frozen=True)
@@ -68,7 +75,8 @@ class Expressions:
     def expression(self, tree: Any, variables: Bound) -> up.FNode:
         """Return a condition; `variables` are those it may use, by name with the question mark."""
         if isinstance(tree, str) or (tree and not isinstance(tree[0], str)):
-            return self._fault(f'"{as_text(tree)}" is no PDDL condition', tree)
+            shown = as_text(tree)[:80]
+            return self._fault(f'"{shown}" is no condition: write (predicate object …)', tree)
         head = tree[0].lower() if tree else 'and'
         parts = tree[1:]
         connectives = {'and': self._manager.And, 'or': self._manager.Or}
@@ -88,8 +96,8 @@ class Expressions:
                 return self._comparison(head, *(self.number(part, variables) for part in parts))
             left, right = (self._term(part, variables) for part in parts)
             return self._manager.Equals(left, right) if left and right else self._manager.TRUE()
-        if head in ('and', 'or', 'not', 'imply', 'forall', 'exists', *COMPARISONS):
-            return self._fault(f'"{as_text(tree)[:80]}" does not have the parts it needs', tree)
+        if head in _FORMS:
+            return self._fault(f'"{as_text(tree)[:80]}" is wrong: write {_FORMS[head]}', tree)
         return self.atom(tree, variables)
 
     def atom(self, tree: Any, variables: Bound) -> up.FNode:
@@ -132,7 +140,7 @@ class Expressions:
                     return nothing
                 pair = self._manager.Minus if head == '-' else self._manager.Div
                 return pair(*parts)
-            self._fault(f'"{as_text(tree)[:80]}" does not have the parts it needs', tree)
+            self._fault(f'"{as_text(tree)[:80]}" is wrong: write ({head} number number)', tree)
             return nothing
         fluent = self._fluents.get(head)
         if fluent is None or fluent.type.is_bool_type():
@@ -146,7 +154,7 @@ class Expressions:
         """Return a predicate or function of its arguments, None if they do not fit."""
         if len(tree) - 1 != fluent.arity:
             self._fault(
-                f'{as_text(tree)}: "{fluent.name}" takes {fluent.arity} arguments, '
+                f'{as_text(tree)}: "{fluent.name}" takes {arguments(fluent.arity)}, '
                 f'not {len(tree) - 1}',
                 tree,
             )
@@ -239,6 +247,11 @@ class Expressions:
         line = tree.line if isinstance(tree, Word | Branch) else None
         self._faults.append(_Fault(reason + did_you_mean(name, names), line))
         return self._manager.TRUE()
+
+
+def arguments(count: int) -> str:
+    """Return "2 arguments", or "1 argument"."""
+    return f'{count} argument{"" if count == 1 else "s"}'
 
 
 def nested_words(text: str, source: str) -> Any:

@@ -22,7 +22,7 @@ from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl.expressions import Bound, Expressions
 from mirror_explainer.pddl.text.actions import Action, Effect, effects, timed_conditions
 from mirror_explainer.pddl.text.declarations import Declarations, Declared
-from mirror_explainer.pddl.text.definition import Definition
+from mirror_explainer.pddl.text.definition import Definition, unequal
 from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, word
 
@@ -184,8 +184,13 @@ class _Builder:
         conditions = [self._expressions.expression(c, every) for c in effect.conditions]
         when = self._manager.And(conditions) if conditions else self._manager.TRUE()
         change = effect.change
+        if change.head in _CHANGES and len(change) != 3:
+            reason = (
+                f'"{as_text(change)[:80]}" is wrong: write ({change.head} (function …) number)'
+            )
+            raise InputError(self._domain.source, reason, change.line)
         kind, value = '', self._manager.TRUE()
-        if change.head in _CHANGES and len(change) == 3:
+        if change.head in _CHANGES:
             kind, value = change.head, self._expressions.number(change[2], every)
             fluent = self._expressions.number(change[1], every)
         elif change.head == 'not' and len(change) == 2:
@@ -216,7 +221,8 @@ class _Builder:
         if goal is None:
             raise InputError(source, 'the problem has no (:goal …)')
         if len(goal) != 2:
-            raise InputError(source, '(:goal …) takes one condition', goal.line)
+            reason = '(:goal …) takes one condition: join several by (and …)'
+            raise InputError(source, reason, goal.line)
         expression = self._expressions.expression(goal[1], {})
         self._expressions.require_known(source, lines=True)
         self._model.add_goal(expression)
@@ -359,9 +365,10 @@ class _Clashes:
 def initial_values(problem: Definition) -> 'list[tuple[Branch, bool | Fraction]]':
     """Return what :init says: atoms that hold or do not, and functions with their numbers.
 
-    Raises InputError with the line of what is neither.
+    Raises InputError with the line of what is neither, or of another number for a function.
     """
     found: list[tuple[Branch, bool | Fraction]] = []
+    numbers: dict[tuple[Tree, ...], tuple[Fraction, Branch]] = {}
     parts = problem.contents(':init')
     if len(parts) == 1 and isinstance(parts[0], Branch) and parts[0].head == 'and':
         parts = parts[0][1:]
@@ -377,6 +384,9 @@ def initial_values(problem: Definition) -> 'list[tuple[Branch, bool | Fraction]]
             if amount is None or not function.head:
                 reason = f'"{as_text(part)[:80]}" gives no number'
                 raise InputError(problem.source, reason, part.line)
+            first = numbers.setdefault(tuple(function), (amount, part))
+            if first[0] != amount:
+                raise unequal(f'the value of {as_text(function)}', first[1], part, problem.source)
             found.append((function, amount))
         elif (
             isinstance(part, Branch)

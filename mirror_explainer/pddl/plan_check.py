@@ -9,6 +9,7 @@ from unified_planning.model import FNode
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text, condition_text
+from mirror_explainer.pddl.expressions import arguments
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.simulation import Failure, Run, carry_out
 from mirror_explainer.pddl.states import Evaluator, State, UnknownNumberError
@@ -118,13 +119,13 @@ def _misfit(
     step: Step, actions: Mapping[str, up.Action], objects: Mapping[str, up.Object]
 ) -> _Misfit | None:
     """Return in what a step does not fit the task, None if it does."""
-    name, *arguments = step.words
+    name, *given = step.words
     if name not in actions:
         return _Misfit(f'the domain has no action "{name}"', name, actions)
     parameters = actions[name].parameters
-    if len(arguments) != len(parameters):
-        return _Misfit(f'{step.action}: "{name}" takes {len(parameters)} arguments')
-    for argument, parameter in zip(arguments, parameters, strict=True):
+    if len(given) != len(parameters):
+        return _Misfit(f'{step.action}: "{name}" takes {arguments(len(parameters))}')
+    for argument, parameter in zip(given, parameters, strict=True):
         if argument not in objects:
             reason = f'{step.action}: the problem has no object "{argument}"'
             return _Misfit(reason, argument, objects)

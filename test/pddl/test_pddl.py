@@ -115,6 +115,23 @@ DOMAIN_FAULTS = {
         'domain, line 10: the action "press" is there twice, and not the same: on line 6 and on '
         'line 10',
     ),
+    'a change by nothing': (
+        DOMAIN.replace('(lit ?l)))', '(increase (lit ?l))))'),
+        'domain, line 9: "(increase (lit ?l))" is wrong: write (increase (function …) number)',
+    ),
+    'a choice of effects': (
+        DOMAIN.replace('(lit ?l)))', '(or (lit ?l) (power))))'),
+        'domain, line 9: "(or (lit ?l) (power))" is no effect: "or" is for conditions only',
+    ),
+    'a condition of no effect': (
+        DOMAIN.replace('(lit ?l)))', '(when (power))))'),
+        'domain, line 9: "(when (power))" is no effect: write (when condition effect)',
+    ),
+    'parameters without their word': (
+        DOMAIN.replace(':parameters ', ''),
+        'domain, line 7: "press" has no part "(?s - switch ?l - lamp)": it may have :parameters, '
+        ':precondition, :effect; is a parenthesis missing?',
+    ),
     'nested deeply': (DOMAIN.replace('(and (wi', '(and ' * 3000 + '(wi'), 'domain'),
 }
 
@@ -151,19 +168,19 @@ PROBLEM_FAULTS = {
     ),
     'wrong number of arguments': (
         PROBLEM.replace('(lit l1)', '(lit)'),
-        'problem, line 7: (lit): "lit" takes 1 arguments, not 0',
+        'problem, line 7: (lit): "lit" takes 1 argument, not 0',
     ),
     'a condition with a part missing': (
         PROBLEM.replace('(lit l1)', '(imply (power))'),
-        'problem, line 7: "(imply (power))" does not have the parts it needs',
+        'problem, line 7: "(imply (power))" is wrong: write (imply condition condition)',
     ),
     'a quantifier without variables': (
         PROBLEM.replace('(lit l1)', '(exists l1 (lit l1))'),
-        'problem, line 7: "(exists l1 (lit l1))" does not have the parts it needs',
+        'problem, line 7: "(exists l1 (lit l1))" is wrong: write (exists (?x - type) condition)',
     ),
     'a quantifier without condition': (
         PROBLEM.replace('(lit l1)', '(exists (?x - lamp))'),
-        'problem, line 7: "(exists (?x - lamp))" does not have the parts it needs',
+        'problem, line 7: "(exists (?x - lamp))" is wrong: write (exists (?x - type) condition)',
     ),
     'a number of nothing': (
         PROBLEM.replace('(power)', '(power) (= () 5)'),
@@ -178,6 +195,15 @@ PROBLEM_FAULTS = {
         'problem: the problem has no (:goal …)',
     ),
     'cut off': (PROBLEM[:-20], 'problem, line 2: the text ends before "(define" is closed'),
+    'two goals': (
+        PROBLEM.replace('(lit l1)', '(lit l1) (lit l2)'),
+        'problem, line 7: (:goal …) takes one condition: join several by (and …)',
+    ),
+    'two values of a number': (
+        PROBLEM.replace('(power)', '(= (watts l1) 5)\n(= (watts l1) 5.0)\n(= (watts l1) 6)'),
+        'problem, line 7: the value of (watts l1) is there twice, and not the same: on line 5 and '
+        'on line 7',
+    ),
     'an object twice': (
         PROBLEM.replace('l2 - lamp', 'l2 - lamp\nl2 - switch'),
         'problem, line 5: the object "l2" is there twice, and not the same: on line 4 and on '
@@ -286,16 +312,16 @@ def test_a_quantified_goal_equals_the_same_goal_of_the_problem() -> None:
 GOAL_FAULTS = {
     '(lit l9)': 'the problem has no object "l9"',
     '(lti l1)': '(lti l1): the domain has no predicate "lti" (did you mean "lit"?)',
-    '(lit)': '(lit): "lit" takes 1 arguments, not 0',
+    '(lit)': '(lit): "lit" takes 1 argument, not 0',
     '(power l1)': '(power l1): "power" takes 0 arguments, not 1',
     '(lit s1)': '(lit s1): s1 is of type switch, but "lit" takes a lamp there',
     '(lit ?l)': 'the variable ?l is not declared',
     '(forall (?l - lmp) (power))': 'the domain has no type "lmp"',
     '(forall (?s - switch) (lit ?s))': '(lit ?s): ?s is of type switch, but "lit" takes a lamp',
-    '(and power)': '"power" is no PDDL condition',
-    '((lit l1))': '"((lit l1))" is no PDDL condition',
+    '(and power)': '"power" is no condition: write (predicate object …)',
+    '((lit l1))': '"((lit l1))" is no condition: write (predicate object …)',
     '(lit (l1))': '"(lit (l1))" is no atom such as (predicate object)',
-    '(not (lit l1) (power))': '"(not (lit l1) (power))" does not have the parts it needs',
+    '(not (lit l1) (power))': '"(not (lit l1) (power))" is wrong: write (not condition)',
     'lit l1': '"lit l1" is not one expression in balanced parentheses',
     '(lit l1': '"(lit l1" is not one expression in balanced parentheses',
     '(lit l1) (power)': '"(lit l1) (power)" is not one expression in balanced parentheses',

@@ -9,6 +9,7 @@ from mirror_explainer.pddl.text.definition import Definition, unequal
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, require_name, word
 
 ACTION, DURATIVE = ':action', ':durative-action'
+_FORMS = {'forall': '(forall (?x - type) effect)', 'when': '(when condition effect)'}
 _PARTS = {
     ACTION: (':parameters', ':precondition', ':effect'),
     DURATIVE: (':parameters', ':duration', ':condition', ':effect'),
@@ -104,10 +105,12 @@ def _action(section: Branch, source: str, types: Mapping[str, Kinds]) -> Action:
         if not isinstance(part, Word) or part not in _PARTS[keyword]:
             shown = as_text(part)[:60]
             hint = did_you_mean(shown, _PARTS[keyword])
-            reason = f'"{name}" has no part "{shown}"{hint}: is a parenthesis missing?'
+            known = ', '.join(_PARTS[keyword])
+            reason = f'"{name}" has no part "{shown}"'
+            reason += hint or f': it may have {known}; is a parenthesis missing?'
             if part == ':vars':
                 reason = f'"{name}" has :vars, an old form; make them :parameters'
-            raise InputError(source, reason.replace('?)?', '?)'), part.line)
+            raise InputError(source, reason, part.line)
         content = next(rest, None)
         if not isinstance(content, Branch):
             reason = f'"{part}" of "{name}" must be followed by something in parentheses'
@@ -150,6 +153,7 @@ def _effects(tree: Tree, source: str, around: Effect, durative: bool) -> Iterato
                         'this effect depends on what held at another time than its own: such '
                         'an effect cannot be explained',
                         tree.line,
+                        cure='Say (at start …) of both condition and effect, or (at end …).',
                     )
                 yield replace(effect, conditions=(*conditions, *effect.conditions))
             return
@@ -157,8 +161,12 @@ def _effects(tree: Tree, source: str, around: Effect, durative: bool) -> Iterato
         yield from _effects(tree[2], source, inner, durative)
     elif durative and head == 'at' and len(tree) == 3 and tree[1] in ('start', 'end'):
         yield from _effects(tree[2], source, replace(around, phase=str(tree[1])), durative)
-    elif head in ('forall', 'when', 'or', 'imply', 'exists'):
-        raise InputError(source, f'"{as_text(tree)[:80]}" is no effect', tree.line)
+    elif head in _FORMS:
+        reason = f'"{as_text(tree)[:80]}" is no effect: write {_FORMS[head]}'
+        raise InputError(source, reason, tree.line)
+    elif head in ('or', 'imply', 'exists'):
+        reason = f'"{as_text(tree)[:80]}" is no effect: "{head}" is for conditions only'
+        raise InputError(source, reason, tree.line)
     else:
         yield replace(around, change=tree)
 
