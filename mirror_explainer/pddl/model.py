@@ -368,7 +368,7 @@ def initial_values(problem: Definition) -> 'list[tuple[Branch, bool | Fraction]]
     Raises InputError with the line of what is neither, or of another number for a function.
     """
     found: list[tuple[Branch, bool | Fraction]] = []
-    numbers: dict[tuple[Tree, ...], tuple[Fraction, Branch]] = {}
+    numbers: dict[tuple[str, ...], tuple[Fraction, Branch]] = {}
     parts = problem.contents(':init')
     if len(parts) == 1 and isinstance(parts[0], Branch) and parts[0].head == 'and':
         parts = parts[0][1:]
@@ -384,7 +384,7 @@ def initial_values(problem: Definition) -> 'list[tuple[Branch, bool | Fraction]]
             if amount is None or not function.head:
                 reason = f'"{as_text(part)[:80]}" gives no number'
                 raise InputError(problem.source, reason, part.line)
-            first = numbers.setdefault(tuple(function), (amount, part))
+            first = numbers.setdefault(tuple(map(str, function)), (amount, part))
             if first[0] != amount:
                 raise unequal(f'the value of {as_text(function)}', first[1], part, problem.source)
             found.append((function, amount))

@@ -84,7 +84,14 @@ one_of: [{facts: "(in faun {r})", for: {r: room}}]""")
         ('{goal: "(shown {s} west)", for: {t: thing}}', '"for" has no variable "s"'),
         ('{goal: "(shown {t} {t})", for: {t: thing}}', 'goal: .*shown'),
         ('{goal: "(shown {t} west)", for: {t: thing}, where: "(dark {t})"}', 'where: .*dark'),
-        ('{goal: "(shown {t} west)", for: {t: thing}, where: "(lit east)"}', 'no choice of obj'),
+        (
+            '{goal: "(shown {t} west)", for: {t: thing}, where: "(lit east)"}',
+            'this holds initially for no choice of objects',
+        ),
+        (
+            '{goal: "(and (lit {a}) (lit {b}) (lit {c}))", for: {a: room, b: room, c: room}}',
+            'for: the problem has too few objects of these types',
+        ),
         ('{goal: "(shown {t} west)", for: [t]}', 'a type for each variable'),
     ],
 )
