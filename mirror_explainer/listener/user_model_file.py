@@ -163,7 +163,7 @@ def parse_yaml(
         line = mark.line + 1 if mark else None
         cure = _SPACES if mark and _has_tab_indent(text, mark.line) else _QUOTES
         if "but got '?'" in f'{error.problem}':
-            cure = 'A goal with a ? in it needs quotes here: "(forall (?x - type) …)".'
+            cure = 'A text with a ? in it needs quotes here, such as "(forall (?x - type) …)".'
         raise InputError(source, reason, line, cure=cure) from error
     except (yaml.YAMLError, RecursionError, ValueError, LookupError, AttributeError) as error:
         # The last three: PyYAML's constructors meet a tag such as !!int on a text that is none.

@@ -41,8 +41,8 @@ SLIPS = {
     ),
     'a variable in a flow mapping': (
         'goals:\n  - {goal: (forall (?x - item) (holding ?x))}\n',
-        "line 2: no YAML that can be read: expected ',' or '}', but got '?'. A goal with a ? in "
-        'it needs quotes here: "(forall (?x - type) …)".',
+        "line 2: no YAML that can be read: expected ',' or '}', but got '?'. A text with a ? in "
+        'it needs quotes here, such as "(forall (?x - type) …)".',
     ),
 }
 
