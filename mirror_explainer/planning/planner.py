@@ -64,8 +64,8 @@ class Planner:
             self._fast = DownwardWay(downward, workers, planning_timeout, memory_limit)
         self._busy = threading.Lock()
         self._closed = threading.Event()
-        self._known_space: tuple[BeliefSpace, int] | None = None
-        self._known: dict[Belief, BeliefPlans] = {}
+        self._known_space: BeliefSpace | None = None
+        self._known: dict[int, dict[Belief, Attempt]] = {}  # by the plans asked for
 
     @classmethod
     def of(cls, settings: PlanningSettings) -> 'Planner':
@@ -107,9 +107,10 @@ class Planner:
         _require_inside(space, beliefs)
         with self._busy:
             limits.check()
-            if self._known_space != (space, plans_per_belief):
-                self._known_space, self._known = (space, plans_per_belief), {}
-            results = _Results(self._known, beliefs, found)
+            if self._known_space != space:
+                self._known_space, self._known = space, {}
+            known_plans = self._known.setdefault(plans_per_belief, {})
+            results = _Results(known_plans, beliefs, found)
             missing = [belief for belief in dict.fromkeys(beliefs) if not results.has(belief)]
             done = (
                 self._plan(space, missing, plans_per_belief, limits, results)
@@ -174,7 +175,7 @@ class _Results:
 
     def __init__(
         self,
-        known: dict[Belief, BeliefPlans],
+        known: dict[Belief, Attempt],
         asked: Iterable[Belief],
         found: Callable[[Belief, BeliefPlans], None] | None,
     ) -> None:
@@ -185,26 +186,28 @@ class _Results:
         self.last_reason = ''
         for belief in dict.fromkeys(asked):
             if found and belief in known:
-                found(belief, known[belief])
+                found(belief, known[belief].result)
 
     def record(self, belief: Belief, attempt: Attempt) -> None:
-        """Take in one result. What more time may better is not kept."""
-        lasting = attempt.lasting and attempt.result.status is not Status.UNKNOWN
-        self._unknown.pop(belief, None)
-        kept = self._known if lasting else self._unknown
-        kept[belief] = attempt.result
+        """Take in one result; what was known before stays if nothing was found this time."""
+        if attempt.result.status is Status.UNKNOWN:
+            self._unknown[belief] = attempt.result
+        else:
+            self._known[belief] = attempt
         (self.failed.add if attempt.crashed else self.failed.discard)(belief)
         self.last_reason = attempt.result.reason
         if self._found:
-            self._found(belief, attempt.result)
+            self._found(belief, self.get(belief))
 
     def has(self, belief: Belief) -> bool:
-        """Say whether there is a result."""
-        return belief in self._known or belief in self._unknown
+        """Say whether there is a result, and more time would not better it."""
+        known = self._known.get(belief)
+        return belief in self._unknown or (known is not None and known.lasting)
 
     def get(self, belief: Belief) -> BeliefPlans:
         """Return the belief's result."""
-        return self._known.get(belief) or self._unknown.get(belief, _LATE)
+        known = self._known.get(belief)
+        return known.result if known else self._unknown.get(belief, _LATE)
 
 
 def _require_inside(space: BeliefSpace, beliefs: Sequence[Belief]) -> None:

@@ -9,6 +9,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -25,6 +26,7 @@ from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner,
 from mirror_explainer.planning.downward.ground_task import Operator
 from mirror_explainer.planning.downward.independent_parts import independent_parts
 from mirror_explainer.planning.downward.optimal_plans import optimal_plans
+from mirror_explainer.planning.downward.program import find_downward
 
 MANY = 3000
 MOST_STATES = 800
@@ -374,17 +376,22 @@ def test_no_more_plans_than_asked(planner: Planner, count: int) -> None:
         assert {plan.cost for plan in result.plans} == {6.0}
 
 
-def test_another_planner_finds_plans_as_good_and_the_same_one_search_at_a_time() -> None:
+def test_the_same_plans_are_found_whichever_of_two_searches_ends_first(tmp_path: Path) -> None:
     space = errands(2, 2)
     found = []
-    for workers in (1, 1, 2):  # of two searches side by side now one is done first, now the other
-        with Planner(workers=workers) as planner:
-            found.append(planner.plan(space, every_belief(space), plans_per_belief=1).results)
+    for late in (0, 1, 0, 1):  # every other search waits before it begins
+        program = tmp_path / 'downward'
+        count = tmp_path / f'count{len(found)}'
+        program.write_text(
+            f'#!/bin/sh\necho >> {count}\n'
+            f'[ $(($(wc -l < {count}) % 2)) = {late} ] && sleep 0.15\n'
+            f'exec {find_downward("")} "$@"\n'
+        )
+        program.chmod(0o755)
+        with Planner(workers=2, downward_binary=str(program)) as planner:
+            found.append(planner.plan(space, every_belief(space)).results)
 
-    assert found[0] == found[1]
-    for one, other in zip(found[0], found[2], strict=True):
-        assert one.status == other.status
-        assert [plan.cost for plan in one.plans] == [plan.cost for plan in other.plans]
+    assert found == [found[0]] * 4
 
 
 def test_results_are_kept_for_the_same_number_of_plans(planner: Planner) -> None:
@@ -398,6 +405,34 @@ def test_results_are_kept_for_the_same_number_of_plans(planner: Planner) -> None
     assert again.results == first.results
     assert more.planner_calls > 0
     assert [len(result.plans) for result in more.results] == [1, 4, 4, 6]
+
+
+def test_first_plans_stay_known_when_time_ran_out_for_more(tmp_path: Path) -> None:
+    """From the first plan on, no search ends."""
+    stuck = tmp_path / 'stuck'
+    program = tmp_path / 'downward'
+    program.write_text(
+        f'#!/bin/sh\n[ -e {stuck} ] && exec sleep 60\nexec {find_downward("")} "$@"\n'
+    )
+    program.chmod(0o755)
+    space = errands(2, 0)
+    with Planner(downward_binary=str(program)) as planner:
+
+        def plans(deadline: float) -> BeliefPlans:
+            asked = [Belief(0)]
+            return planner.plan(
+                space,
+                asked,
+                plans_per_belief=5,
+                deadline=deadline,
+                found=lambda *_: stuck.touch(),
+            ).results[0]
+
+        first = plans(deadline=1.0)
+        again = plans(deadline=0.3)
+
+    assert (first.status, len(first.plans), first.cut) == (Status.SOLVED, 1, 'time')
+    assert again == first
 
 
 def test_the_deadline_leaves_one_plan_a_belief() -> None:

@@ -24,7 +24,7 @@ EASY = BeliefSpace(WAREHOUSE_DOMAIN, WAREHOUSE_PROBLEM, ('(holding red_cube)',))
 # All that may pass from the program that plans to the processes that it starts.
 ALLOWED = {
     'HOME', 'JAVA_HOME', 'LANG', 'LC_ALL', 'LD_LIBRARY_PATH', 'OMP_NUM_THREADS', 'PATH',
-    'PYTHONPATH', 'TMPDIR', '_ROS_WHEELS_BOOTSTRAP_COMPLETE',
+    'PYTHONHASHSEED', 'PYTHONPATH', 'TMPDIR', '_ROS_WHEELS_BOOTSTRAP_COMPLETE',
 }  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.translations import Translations
-from mirror_explainer.planning.downward.portfolio import PLAIN, Portfolio
+from mirror_explainer.planning.downward.portfolio import PLAIN, Lesson, next_try
 from mirror_explainer.planning.downward.program import Search, find_downward
 from mirror_explainer.planning.downward.subject import SearchInput, Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
@@ -24,7 +24,6 @@ from mirror_explainer.planning.downward.superset_walk import SupersetWalk
 SPACES = -(-int(os.environ.get('MIRROR_EXPLAINER_BELIEFS', '320')) // 40)
 FOREVER = 1000.0  # s
 BLIND = 'astar(blind())'
-LMCUT = PLAIN[0]
 
 
 def every_subject(lists: Lists, space: BeliefSpace) -> list[Subjects]:
@@ -69,7 +68,7 @@ def check_every_member(space: BeliefSpace) -> int:
                 continue
             whole = subjects.search_input(subject)
             for task in [whole, *([whole.thorough()] if whole.thorough else [])]:
-                for member in task.portfolio.members:
+                for member in task.members:
                     assert searched(subjects, subject, task, member) == cost, member
                     compared += 1
     return compared
@@ -103,34 +102,40 @@ def test_every_search_for_derived_predicates_finds_what_fast_downward_says(seed:
     check_every_member(random_derived_space(Random(seed)))
 
 
-def test_short_tries_of_every_search_come_before_longer_ones() -> None:
+def tries(lesson: Lesson | None, left: float) -> list[tuple[str, float]]:
+    """Return what is tried one after another on a task that no search is done with."""
     tried: dict[str, float] = {}
-    left = 5.0
-    tries = []
-    while found := Portfolio(PLAIN).next_try(1e9, tried, left):
-        tries.append(found)
-        tried[found.configuration] = found.seconds
-        left -= found.seconds
-
-    assert [each.configuration for each in tries[:4]] == list(PLAIN)
-    # 4 · 0.1 + 4 · 0.4 = 2; 1.6 of the other 3, and the rest
-    assert [each.seconds for each in tries] == pytest.approx([*[0.1] * 4, *[0.4] * 4, 1.6, 1.4])
+    found = []
+    while one := next_try(PLAIN, lesson, tried, left):
+        found.append((one.configuration, pytest.approx(one.seconds)))
+        tried[one.configuration] = one.seconds
+        left -= one.seconds
+    return found
 
 
-def test_where_there_are_few_states_they_are_looked_at_first() -> None:
-    first = Portfolio(PLAIN).next_try(1000, {}, 10.0)
+def test_short_tries_of_every_search_come_before_longer_ones() -> None:
+    first, second, third = PLAIN
 
-    assert first is not None and first.configuration == BLIND
+    assert tries(None, 3.3) == [
+        *((member, 0.1) for member in PLAIN),
+        *((member, 0.4) for member in PLAIN),
+        (first, 1.6),
+        (second, 0.2),
+    ]
 
 
-def test_what_suited_one_goal_is_tried_first_and_for_long_enough_at_the_next() -> None:
-    portfolio = Portfolio(PLAIN)
-    portfolio.learn(PLAIN[1], 0.3, hard=True)
-    first = portfolio.next_try(1e9, {}, 10.0)
-    second = portfolio.next_try(1e9, {PLAIN[1]: 0.6}, 9.4)
+def test_what_suited_one_task_is_tried_first_and_for_longer_at_the_next() -> None:
+    first, second, third = PLAIN
 
-    assert first is not None and (first.configuration, first.seconds) == (PLAIN[1], 0.6)
-    assert second is not None and (second.configuration, second.seconds) == (LMCUT, 0.1)
+    assert tries(Lesson(third, 0.01, hard=False), 6.0)[:6] == [
+        (third, 0.8),
+        (first, 0.1),
+        (second, 0.1),
+        (third, 3.2),
+        (first, 0.4),
+        (second, 0.4),
+    ]
+    assert tries(Lesson(second, 0.7, hard=True), 10.0)[0] == (second, 1.4)
 
 
 def test_the_time_in_which_a_search_does_not_work_does_not_count(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, St
 from mirror_explainer.planning.downward.flagged_task import DOWN, flagged, with_positive_costs
 from mirror_explainer.planning.downward.ground_task import GroundTask
 from mirror_explainer.planning.downward.optimal_plans import OptimalPlans, optimal_plans
-from mirror_explainer.planning.downward.portfolio import PLAIN, Portfolio
+from mirror_explainer.planning.downward.portfolio import PLAIN, Lesson
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
 from mirror_explainer.planning.downward.what_matters import GoalTask
@@ -40,6 +40,7 @@ class Alternative:
     open_parents: int = 0
     children: list['Alternative'] = field(default_factory=list)
     hopeless: bool = False
+    lesson: Lesson | None = None
 
     @property
     def members(self) -> list[Belief]:
@@ -81,7 +82,6 @@ class Alternatives:
         self._task = task
         self._goal_tasks: dict[int, GoalTask] = {}
         self._most = most
-        self._portfolio = Portfolio(PLAIN)
         self._cost_of = {operator.name: operator.cost for operator in task.operators}
         self._free_actions = task is not walk.task
         found = {node: Alternative(node, plan) for node, plan in walk.optimal() if plan}
@@ -113,7 +113,7 @@ class Alternatives:
             self._goal_tasks[node.goal] = GoalTask(self._task, self._walk.goal(node))
         whole, state = self._goal_tasks[node.goal].from_here(node.state)
         task = flagged(whole, subject.seen)
-        return SearchInput(task.text((*state, DOWN)), self._portfolio, task.states)
+        return SearchInput(task.text((*state, DOWN)), PLAIN)
 
     def checked(self, subject: Alternative, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the actions if they reach the goal, None otherwise."""

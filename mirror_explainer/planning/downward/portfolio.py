@@ -11,7 +11,10 @@ from dataclasses import dataclass
 _BLIND = 'astar(blind())'
 _LMCUT = 'astar(lmcut(),pruning=stubborn_sets_simple())'
 _HMAX = 'astar(hmax())'
-_PATTERNS = 'astar(ipdb(max_time=1))'
+_LANDMARKS_AND_PATTERNS = (
+    'astar(max([landmark_cost_partitioning(lm_rhw(),cost_partitioning=uniform),'
+    'cpdbs(systematic(2))]))'
+)
 _MERGE_AND_SHRINK = (
     'astar(merge_and_shrink(shrink_strategy=shrink_bisimulation(greedy=false),'
     'merge_strategy=merge_sccs(order_of_sccs=topological,merge_selector=score_based_filtering('
@@ -21,17 +24,16 @@ _MERGE_AND_SHRINK = (
 )
 
 # All optimal: for tasks with nothing special, with conditional effects, and with axioms.
-PLAIN = (_LMCUT, _PATTERNS, _MERGE_AND_SHRINK, _BLIND)
+PLAIN = (_LANDMARKS_AND_PATTERNS, _LMCUT, _MERGE_AND_SHRINK)
 CONDITIONAL = (_HMAX, _MERGE_AND_SHRINK, _BLIND)
 AXIOMS = (_BLIND,)
 
-# So many states are looked at in a tenth of a second, so that nothing else need be tried first.
-_FEW_STATES = 50_000
-
-_FIRST_TRY = 0.1
+FIRST_TRY = 0.1
 _LONGER = 4.0
 
-# What suited other goals may take so many times as long as it took there.
+# What suited another task is tried for so many times as long as the others, and at first for
+# so many times as long as it took there.
+_FAVOUR = 8.0
 _LEEWAY = 2.0
 
 
@@ -43,38 +45,37 @@ class Try:
     seconds: float
 
 
-class Portfolio:
-    """The searches for the goals of one task. What suited one goal is tried first on the next.
+@dataclass(frozen=True)
+class Lesson:
+    """What suited a task: a search that took so many seconds, `hard` if it was not the first."""
 
-    `hard` says that the last goal was not done with the first try.
+    configuration: str
+    seconds: float
+    hard: bool
+
+
+def next_try(
+    members: Sequence[str],
+    lesson: Lesson | None,
+    tried: Mapping[str, float],
+    left: float,
+) -> Try | None:
+    """Return which of the searches to try next, None when all is over.
+
+    `lesson` is from a task like it. `tried` has the longest time that each search was tried
+    for, infinity if it cannot be tried for longer; so many seconds are `left`.
     """
-
-    def __init__(self, members: Sequence[str]) -> None:
-        self.members = list(members)
-        self._enough: dict[str, float] = {}
-        self.hard = False
-
-    def next_try(self, states: float, tried: Mapping[str, float], left: float) -> Try | None:
-        """Return what to try next on a task with at most so many states, None when all is over.
-
-        `tried` has the longest time that each search was tried for, infinity if it cannot
-        be tried for longer; so many seconds are `left`.
-        """
-        order = [member for member in self.members if tried.get(member, 0.0) < math.inf]
-        if not order or left <= 0.0:
-            return None
-        if states <= _FEW_STATES:
-            order.sort(key=lambda member: member != _BLIND)
-        if len(self.members) == 1:
-            return Try(order[0], left)
-        if order[0] in self._enough and not tried:
-            return Try(order[0], min(max(_FIRST_TRY, _LEEWAY * self._enough[order[0]]), left))
-        limits = {m: _LONGER * tried[m] if m in tried else _FIRST_TRY for m in order}
-        shortest = min(order, key=limits.__getitem__)
-        return Try(shortest, min(limits[shortest], left))
-
-    def learn(self, configuration: str, seconds: float, hard: bool) -> None:
-        """Take note that a search came to its end in so many seconds, maybe after others."""
-        self.hard = hard
-        self._enough[configuration] = max(seconds, self._enough.get(configuration, 0.0))
-        self.members.sort(key=lambda member: member != configuration)
+    order = [member for member in members if tried.get(member, 0.0) < math.inf]
+    if not order or left <= 0.0:
+        return None
+    if len(members) == 1:
+        return Try(order[0], left)
+    suited = lesson.configuration if lesson else ''
+    order.sort(key=lambda member: member != suited)
+    share = {member: _FAVOUR if member == suited else 1.0 for member in order}
+    limits = {m: _LONGER * tried[m] if m in tried else FIRST_TRY * share[m] for m in order}
+    chosen = min(order, key=lambda member: limits[member] / share[member])
+    seconds = limits[chosen]
+    if lesson and chosen == suited and not tried:
+        seconds = max(seconds, _LEEWAY * lesson.seconds)
+    return Try(chosen, min(seconds, left))

@@ -1,6 +1,5 @@
 """A task as Fast Downward's search reads it, of some variables, which are numbered anew."""
 
-import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -16,12 +15,6 @@ class SearchTask:
     sizes: tuple[int, ...]
     goal: tuple[Fact, ...]
     operators: tuple[Operator, ...]
-
-    @cached_property
-    def states(self) -> int:
-        """How many states there can be."""
-        changing = {variable for operator in self.operators for variable in operator.changes}
-        return math.prod(self.sizes[variable] for variable in changing)
 
     def text(self, state: State) -> bytes:
         """Return the input of the search (www.fast-downward.org: "translator output format")."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
-from mirror_explainer.planning.downward.portfolio import Try
+from mirror_explainer.planning.downward.portfolio import FIRST_TRY, Lesson, Try, next_try
 from mirror_explainer.planning.downward.program import Outcome, Search
 from mirror_explainer.planning.downward.subject import Finding, SearchInput, Subject, Subjects
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
@@ -32,28 +32,31 @@ Report = Callable[[Sequence[Belief], Attempt], None]
 
 @dataclass(eq=False)
 class _Job:
-    """A subject to search for, and what became of it so far.
+    """A subject to search for, what tasks like it taught, and what became of it so far.
 
     `tried` has the longest time that each search was tried for, `now` is the one to come or
-    running; so many seconds are `left`. `reason` says what else than time was wanting.
+    running; so many seconds are `left`. `reason` says what else than time was wanting; `scout`,
+    that it is the first of its run.
     """
 
     subjects: Subjects
     subject: Subject
     left: float
+    lesson: Lesson | None = None
     input: SearchInput | None = None
     now: Try | None = None
     tried: dict[str, float] = field(default_factory=dict)
     reason: str = ''
     crashed: bool = False
+    scout: bool = False
 
     def next_try(self) -> bool:
         """Decide on the next search, and say whether there is one."""
         if self.input is not None:
-            if self.input.thorough and (self.tried or self.input.portfolio.hard):
-                self.input = self.input.thorough()
-            portfolio, states = self.input.portfolio, self.input.states
-            self.now = portfolio.next_try(states, self.tried, self.left)
+            if self.input.thorough and (self.now or (self.lesson and self.lesson.hard)):
+                self.input, self.tried = self.input.thorough(), {}
+            seconds = min(self.left, FIRST_TRY) if self.input.thorough else self.left
+            self.now = next_try(self.input.members, self.lesson, self.tried, seconds)
         return self.now is not None
 
 
@@ -63,7 +66,9 @@ class Searches:
     That is to start them, and to wait while there is nothing else to do; `worked` is their own
     processor time. Short tries come before
     longer ones; among these, those for the first belief, then the others in the order of
-    their goals.
+    their goals. What a search taught is made use of where its end is waited for: at the tasks
+    below it, and at all that begin after the first task's short tries, which nothing overtakes. So
+    it does not matter which of the searches that run side by side ends first.
     """
 
     def __init__(self, ask: Ask, report: Report) -> None:
@@ -75,6 +80,9 @@ class Searches:
         self._numbers = itertools.count()
         self._queue: list[tuple[float, int, int, _Job]] = []
         self._running: dict[Search, _Job] = {}
+        self._begun = 0
+        self._scouting = True
+        self._lesson: Lesson | None = None
         self._failures = 0
         self._all_failed = True
         self.calls = 0
@@ -87,6 +95,7 @@ class Searches:
         Returns whether neither came before the end. Raises PlanningError when the
         program fails at whatever it is asked.
         """
+        self._begun, self._scouting, self._lesson = 0, True, None
         with selectors.DefaultSelector() as selector:
             selector.register(other, selectors.EVENT_READ)
             try:
@@ -123,18 +132,26 @@ class Searches:
         first = self._ask.beliefs[0] in members
         rank = -1 if first else self._rank[members[0].goal]
         seconds = job.now.seconds if job.now else 0.0
+        if job.scout and seconds > FIRST_TRY:
+            self._scouting = False
+        if self._scouting and job.now:
+            seconds = -1.0
         heapq.heappush(self._queue, (seconds, rank, next(self._numbers), job))
 
     def _fill(self, selector: selectors.BaseSelector) -> None:
         while self._queue and len(self._running) < self._ask.workers:
-            *_, job = heapq.heappop(self._queue)
+            *_, job = self._queue[0]
             if job.input is None:
-                finding = job.subjects.known(job.subject)  # by what was found while it waited
-                if finding is not None:
-                    self._settle(job, finding)
-                    continue
+                if self._scouting and self._begun >= self._ask.workers:
+                    return
+                alike = job.subject, *job.subject.parents
+                lessons = [task.lesson for task in alike if task.lesson]
+                job.lesson = max(lessons, key=lambda each: each.seconds, default=self._lesson)
                 job.input = job.subjects.search_input(job.subject)
                 job.next_try()
+                job.scout = not self._begun
+                self._begun += 1
+            heapq.heappop(self._queue)
             assert job.now is not None, 'it is queued for it'
             began = time.monotonic()
             try:
@@ -200,7 +217,8 @@ class Searches:
         self._count(outcome)
         assert job.input and job.now, 'it was tried'
         if outcome.status is not Status.UNKNOWN:
-            job.input.portfolio.learn(job.now.configuration, outcome.seconds, hard=bool(job.tried))
+            configuration, seconds = job.now.configuration, outcome.seconds
+            job.subject.lesson = Lesson(configuration, seconds, hard=not job.input.thorough)
             self._settle(job, Finding(plan))
         elif outcome.crashed and not job.crashed:
             job.crashed = True
@@ -221,6 +239,8 @@ class Searches:
 
     def _settle(self, job: _Job, finding: Finding | None, failure: Attempt | None = None) -> None:
         """Report what was found, or what the failure leaves."""
+        if job.scout and self._scouting:
+            self._scouting, self._lesson = False, job.subject.lesson
         job.subjects.settle(job.subject, finding)
         result = job.subjects.result(job.subject, finding)
         if result is not None:

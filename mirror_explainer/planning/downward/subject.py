@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans
-from mirror_explainer.planning.downward.portfolio import Portfolio
+from mirror_explainer.planning.downward.portfolio import Lesson
 
 
 @dataclass(frozen=True)
@@ -18,25 +18,30 @@ class Finding:
 
 @dataclass(frozen=True)
 class SearchInput:
-    """What a search reads, which searches to try on it, and how many states it has at most.
+    """What a search reads, and which searches to try on it.
 
     `thorough` gives one that took longer to make, if there is any, for tasks that are not easy.
     """
 
     text: bytes
-    portfolio: Portfolio
-    states: float = float('inf')
+    members: Sequence[str]
     thorough: 'Callable[[], SearchInput] | None' = None
 
 
 class Subject(Protocol):
     """One task, and the beliefs that are this task.
 
-    `hopeless` says that a search is known to take too long.
+    `hopeless` says that a search is known to take too long; `lesson` is what it taught. `parents`
+    are tasks like it that are planned for before.
     """
 
     members: list[Belief]
     hopeless: bool
+    lesson: Lesson | None
+
+    @property
+    def parents(self) -> Sequence['Subject']:
+        """The tasks like it that are planned for before."""
 
 
 class Subjects(Protocol):

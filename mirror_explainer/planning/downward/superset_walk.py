@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Fact, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
-from mirror_explainer.planning.downward.portfolio import PLAIN, Portfolio
+from mirror_explainer.planning.downward.portfolio import PLAIN, Lesson
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.what_matters import GoalTask
 
@@ -37,6 +37,7 @@ class Node:
     plan: tuple[str, ...] | None = None
     cost: int | None = None
     hopeless: bool = False
+    lesson: Lesson | None = None
     first: bool = False
 
 
@@ -65,8 +66,6 @@ class SupersetWalk:
         self.as_declared = grounding.as_declared
         self._goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
-        self._portfolio = Portfolio(PLAIN)
-        self._plans: dict[int, dict[tuple[str, ...], int]] = defaultdict(dict)
         self._goal_tasks = {
             index: GoalTask(grounding.task, goal)
             for index in {belief.goal for belief in beliefs}
@@ -107,7 +106,7 @@ class SupersetWalk:
         helpful = frozenset().union(*group) & self._helpful
         above = [node.facts | {fact} for fact in helpful - node.facts]
         if all(facts in group for facts in above):
-            yield from (group[facts] for facts in above)
+            yield from sorted((group[facts] for facts in above), key=lambda n: sorted(n.facts))
         else:
             yield from (other for facts, other in group.items() if node.facts < facts)
 
@@ -118,10 +117,10 @@ class SupersetWalk:
             return Finding(None)
         if all(node.state[variable] == value for variable, value in goal):
             return Finding(())
-        bounds = [parent.cost for parent in node.parents if parent.cost is not None]
-        plan = self._known_plan(node, max(bounds)) if bounds else None
-        if plan is not None:
-            return Finding(plan)
+        bound = max((parent.cost or 0 for parent in node.parents), default=0)
+        for parent in node.parents:
+            if parent.plan and parent.cost == bound and self._works(node, parent.plan):
+                return Finding(parent.plan)
         if not self._goal_tasks[node.goal].may_be_reached(node.state):
             return Finding(None)
         node.hopeless = any(parent.hopeless for parent in node.parents)
@@ -134,9 +133,9 @@ class SupersetWalk:
 
         def thorough() -> SearchInput:
             task, state = goal_task.from_here(node.state)
-            return SearchInput(task.text(state), self._portfolio, task.states)
+            return SearchInput(task.text(state), PLAIN)
 
-        return SearchInput(task.text(state), self._portfolio, task.states, thorough)
+        return SearchInput(task.text(state), PLAIN, thorough)
 
     def checked(self, node: Node, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the actions if they reach the goal, None otherwise."""
@@ -163,17 +162,10 @@ class SupersetWalk:
             node.unsolvable = True
         elif finding is not None and finding.plan is not None:
             node.plan, node.cost = finding.plan, self.task.cost(finding.plan)
-            self._plans[node.goal][finding.plan] = node.cost
         for child in node.children:
             child.open_parents -= 1
             if not child.open_parents and not child.first:
                 self.ready.append(child)
-
-    def _known_plan(self, node: Node, limit: float) -> tuple[str, ...] | None:
-        for plan, cost in sorted(self._plans[node.goal].items(), key=lambda item: item[1]):
-            if cost <= limit and self._works(node, plan):
-                return plan
-        return None
 
     def _works(self, node: Node, plan: Sequence[str]) -> bool:
         goal = self._goals[node.goal]

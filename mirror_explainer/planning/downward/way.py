@@ -34,6 +34,8 @@ _GROUNDING_SECONDS = 10.0
 _GRACE = 0.05
 _LONG_GRACE = 1.0
 
+_Found = Sequence[tuple[Belief, Attempt]]
+
 _log = logging.getLogger(__name__)
 
 
@@ -109,12 +111,18 @@ class DownwardWay:
                 limits.end - time.monotonic(),
             )
         )
+
+        def take_in(found: _Found) -> None:
+            for belief, attempt in found:
+                left.pop(belief, None)
+                record(belief, attempt)
+
         grounded = False
         grounding_end = time.monotonic() + max(self._timeout, _GROUNDING_SECONDS)
         while True:
             limits.check()
             if limits.expired and not worker.connection.poll(_GRACE):
-                if not self._stop(worker, _LONG_GRACE) and grounded:
+                if not self._stop(worker, _LONG_GRACE, take_in) and grounded:
                     for belief in left:
                         record(belief, unknown('the planning process hangs', crashed=True))
                 return Done(0, 0.0, 'the deadline passed')
@@ -130,18 +138,26 @@ class DownwardWay:
                     return message
                 if isinstance(message, Refusal):
                     raise message.error()
-                for belief, attempt in message:
-                    left.pop(belief, None)
-                    record(belief, attempt)
+                take_in(message)
 
-    def _stop(self, worker: Worker, grace: float = _GRACE) -> bool:
-        """Bring the worker to a stop; it is ended, and False returned, if it takes long."""
+    def _stop(
+        self,
+        worker: Worker,
+        grace: float = _GRACE,
+        take_in: Callable[[_Found], None] = lambda found: None,
+    ) -> bool:
+        """Bring the worker to a stop, and take in what it had found.
+
+        It is ended, and False returned, if it takes long.
+        """
         worker.send(Stop())
         end = time.monotonic() + grace
         try:
             while worker.connection.poll(max(0.0, end - time.monotonic())):
-                if isinstance(worker.receive(), Done | Unfitting | Refusal):
+                message = worker.receive()
+                if isinstance(message, Done | Unfitting | Refusal):
                     return True
+                take_in(message)
         except EOFError:
             pass
         self.close()

@@ -7,22 +7,10 @@ no dearer.
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
 from mirror_explainer.planning.downward.search_task import Numbering, SearchTask
-
-
-@dataclass(frozen=True)
-class _Direct:
-    """A task without detours, right for initial states in which some variables are as given."""
-
-    state: dict[int, int]
-    numbering: Numbering
-
-    def holds_for(self, state: State) -> bool:
-        return all(state[variable] == value for variable, value in self.state.items())
 
 
 class GoalTask:
@@ -37,7 +25,7 @@ class GoalTask:
         self.variables = {v for o in self.operators for v in o.needs} | {v for v, _ in goal}
         self._sizes = task.sizes
         self._relaxation = Relaxation(self.operators)
-        self._direct: dict[tuple[int, ...], list[_Direct]] = defaultdict(list)
+        self._from_here: dict[State, tuple[SearchTask, State]] = {}
 
     def may_be_reached(self, state: State) -> bool:
         """Say whether the goal could be reached if nothing ever became false."""
@@ -53,6 +41,8 @@ class GoalTask:
 
     def from_here(self, state: State) -> tuple[SearchTask, State]:
         """Return a search from a state that may reach the goal, by what matters from there."""
+        if state in self._from_here:
+            return self._from_here[state]
         usable, _ = self._relaxation.reached(state)
         changing = {
             variable
@@ -61,18 +51,12 @@ class GoalTask:
             if value != state[variable]
         }
         # The others only make true what always is.
-        left = tuple(i for i in usable if not changing.isdisjoint(self.operators[i].changes))
-        known = self._direct[left]
-        fitting = next((direct for direct in known if direct.holds_for(state)), None)
-        if fitting is None:
-            operators = helpful([self.operators[index] for index in left], self.goal)
-            direct, fixed = _without_detours(operators, state, self.goal)
-            direct = helpful(direct, self.goal)
-            changed = {variable for operator in direct for variable in operator.changes}
-            numbering = Numbering(self._sizes, direct, self.goal, changed)
-            fitting = _Direct({variable: state[variable] for variable in fixed}, numbering)
-            known.append(fitting)
-        return fitting.numbering.task, fitting.numbering.state(state)
+        left = [o for o in map(self.operators.__getitem__, usable) if changing & o.changes.keys()]
+        direct = _without_detours(helpful(left, self.goal), state, self.goal)
+        operators = helpful(direct, self.goal)
+        changed = {variable for operator in operators for variable in operator.changes}
+        numbering = Numbering(self._sizes, operators, self.goal, changed)
+        return self._from_here.setdefault(state, (numbering.task, numbering.state(state)))
 
 
 def helpful(operators: Sequence[Operator], goal: Iterable[Fact]) -> list[Operator]:
@@ -132,12 +116,11 @@ class Relaxation:
 
 def _without_detours(
     operators: Sequence[Operator], state: State, goal: Sequence[Fact]
-) -> tuple[list[Operator], set[int]]:
+) -> list[Operator]:
     """Leave out what only leads away and back, such as to fetch what the goal does not name.
 
     For each variable that nothing reads without changing it: leave out all that change it, and
-    whatever then cannot be reached, if every plan works without them. Returns also the variables
-    on whose initial values that rests.
+    whatever then cannot be reached, if every plan works without them.
     """
     relaxation = Relaxation(operators)
     changing: dict[int, set[int]] = defaultdict(set)
@@ -149,21 +132,18 @@ def _without_detours(
         for variable in operator.changes:
             changing[variable].add(index)
     gone: set[int] = set()
-    fixed: set[int] = set()
     for variable in sorted(changing.keys() - read):
         if not changing[variable] <= gone:
             usable, reached = relaxation.reached(state, gone | changing[variable])
             more = set(range(len(operators))) - gone - set(usable)
-            if reached.issuperset(goal):
-                touched = _spared([operators[index] for index in more], uses, state)
-                if touched:
-                    gone |= more
-                    fixed |= touched
-    return [operator for index, operator in enumerate(operators) if index not in gone], fixed
+            spared = [operators[index] for index in more]
+            if reached.issuperset(goal) and _are_spared(spared, uses, state):
+                gone |= more
+    return [operator for index, operator in enumerate(operators) if index not in gone]
 
 
-def _spared(gone: Sequence[Operator], uses: Counter[Fact], state: State) -> set[int]:
-    """Return the variables that these operators change, empty if a plan may need them.
+def _are_spared(gone: Sequence[Operator], uses: Counter[Fact], state: State) -> bool:
+    """Say whether no plan needs these operators.
 
     `uses` counts the operators that mention a fact; those of `gone` are taken off where they are
     spared. Where a plan changes a value by what is left out, the value stays as it was. That goes
@@ -192,6 +172,6 @@ def _spared(gone: Sequence[Operator], uses: Counter[Fact], state: State) -> set[
             for source in sources:
                 leader[lead(source)] = lead((variable, value))
     if len({lead(fact) for fact in matter}) < len(matter):
-        return set()
+        return False
     uses.subtract(uses - left)
-    return touched
+    return True

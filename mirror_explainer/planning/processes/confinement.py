@@ -35,7 +35,12 @@ def environment(directory: str, python_path: str) -> dict[str, str]:
     """Return the environment of a worker whose files go to a directory."""
     kept = {name: os.environ[name] for name in _VARIABLES if name in os.environ}
     # The processes are what runs side by side, not threads of numerical libraries in them.
-    return kept | {'OMP_NUM_THREADS': '1', 'PYTHONPATH': python_path, 'TMPDIR': directory}
+    return kept | {
+        'OMP_NUM_THREADS': '1',
+        'PYTHONHASHSEED': '0',  # the same input, the same answer
+        'PYTHONPATH': python_path,
+        'TMPDIR': directory,
+    }
 
 
 def confine() -> None:

@@ -8,7 +8,7 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, 
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.replay import reaches_goal
-from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN, Portfolio
+from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN, Lesson
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 
 
@@ -18,6 +18,8 @@ class Single:
 
     members: list[Belief]
     hopeless: bool = False
+    lesson: Lesson | None = None
+    parents: tuple['Single', ...] = ()
     translation: translator.Translation | None = None
 
 
@@ -30,7 +32,6 @@ class Translations:
     def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
         self._lists = lists
         self._facts = space.uncertain_facts
-        self._portfolios = {kind: Portfolio(kind) for kind in (PLAIN, CONDITIONAL, AXIOMS)}
         self.ready = deque(Single([belief]) for belief in beliefs)
 
     def known(self, single: Single) -> Finding | None:
@@ -40,8 +41,8 @@ class Translations:
         """Translate the belief."""
         translation = translator.translate(self._lists, single.members[0], self._facts)
         single.translation = translation
-        kind = AXIOMS if translation.axioms else CONDITIONAL if translation.conditional else PLAIN
-        return SearchInput(translation.text, self._portfolios[kind])
+        fit = AXIOMS if translation.axioms else CONDITIONAL if translation.conditional else PLAIN
+        return SearchInput(translation.text, fit)
 
     def checked(self, single: Single, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the plan: the actions without the last, which stands for the goal."""
