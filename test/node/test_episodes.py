@@ -19,6 +19,7 @@ from test_live_explainer import (
     puzzled,
 )
 
+from mirror_explainer.node.diagnostics import Level
 from mirror_explainer.node.inputs import Text
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.pddl import read_task
@@ -216,3 +217,21 @@ def test_progress_does_not_stop_a_search_under_way(monkeypatch, puzzled: Operato
         eventually(lambda done=done: told(done), f'an answer after {done} steps')
 
     assert (len(begun), len(ended)) == (1, 0)
+
+
+def test_where_planning_fails_as_a_whole_the_task_is_told_without_it_to_its_end(operator) -> None:
+    robot: Operator = operator(user_model_file=USER_MODEL, n=2, planner='no-such-engine')
+    robot.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
+    told = []
+    for done in (0, 4, 10):
+        robot.publish(problem=PROBLEMS[done])
+        answer = report(robot)
+        told.append(answer['spoken'])
+        assert not answer['complete']
+        assert answer['planned'] == 0.0
+    diagnosis = robot.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+
+    assert told == [TOLD[0], TOLD[4], TOLD[10]]
+    assert (diagnosis.level, diagnosis.values['state']) == (Level.ERROR, 'error')
+    assert diagnosis.message.startswith('there is no planning engine "no-such-engine" here')
+    assert diagnosis.values['warnings'] == f'answered without planning: {diagnosis.message}'

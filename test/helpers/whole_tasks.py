@@ -1,0 +1,75 @@
+"""What a robot says from the first step of its plan to the last, asked before and during each."""
+
+import itertools
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from patience import PATIENCE
+
+from mirror_explainer.node.inputs import Configuration, NodeSettings, Text
+from mirror_explainer.node.live_explainer import LiveExplainer
+
+CONFIG = Path(__file__).parents[2] / 'config'
+# The examples of this package with a plan to go through.
+EXAMPLES = ('warehouse', 'hospital', 'packing')
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A question while `done` steps are done, and the next one is going on or not."""
+
+    done: int
+    running: bool
+    spoken: str
+    understanding: float
+
+    @property
+    def when(self) -> str:
+        """When that is, in words."""
+        return f'{self.done}, doing the next' if self.running else str(self.done)
+
+
+def transcript(folder: Path) -> Iterator[Moment]:
+    """Ask while the robot of an example does its plan, and tells so by `progress`."""
+    reports: list[str] = []
+    settings = NodeSettings(
+        user_model_file=str(folder / 'user_model.yaml'), answer_timeout=PATIENCE
+    )
+    explainer = LiveExplainer(Configuration(settings), lambda text, report: reports.append(report))
+    domain, problem, plan = (
+        (folder / name).read_text() for name in ('domain.pddl', 'problem.pddl', 'plan.txt')
+    )
+    steps = [line for line in plan.split('\n') if line.startswith('(')]
+    try:
+        for name, text in (('domain', domain), ('problem', problem), ('plan', plan)):
+            explainer.hear(name, Text(text, f'/{name}'))
+        for done in range(len(steps) + 1):
+            for running in (False, True)[: 2 if done < len(steps) else 1]:
+                lines = [f'done: {step}' for step in steps[:done]]
+                lines += [f'running: {steps[done]}'] if running else []
+                explainer.hear('progress', Text('\n'.join(lines), '/progress'))
+                yield _asked(explainer, reports, done, running)
+    finally:
+        explainer.close()
+
+
+def _asked(explainer: LiveExplainer, reports: list[str], done: int, running: bool) -> Moment:
+    reply = explainer.ask()
+    assert reply.success, reply.message
+    report = json.loads(reports[-1])
+    assert report['complete'], 'all is planned for'
+    statuses = [row['status'] for row in report['plan']]
+    assert (statuses.count('done'), statuses.count('running')) == (done, int(running))
+    return Moment(done, running, reply.message, report['understanding'])
+
+
+def table(moments: Iterable[Moment]) -> str:
+    """Return a transcript as Markdown: when, and what is said; the same in a row once."""
+    lines = ['| steps done | answer |', '|---|---|']
+    for spoken, same in itertools.groupby(moments, lambda moment: moment.spoken):
+        first, *_, last = [moment.when for moment in same] * 2
+        when = first if first == last else f'{first} – {last}'
+        lines.append(f'| {when} | {" ".join(spoken.splitlines())} |')
+    return '\n'.join(lines)
