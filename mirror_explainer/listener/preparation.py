@@ -117,9 +117,8 @@ class Preparation:
                 self.prior,
                 self.results,
                 self.way,
-                self.sentences.of,
-                self.rationality,
                 listener,
+                self.rationality,
                 one_plan=self.settings.plans_per_belief == 1,
                 stop=stop,
             )
@@ -162,7 +161,7 @@ def way_of(task: Task, robot_plan: RobotPlan, prior: Prior, sentences: Sentences
     held = truths(task, run.states, [part.condition for part in parts])
     return Way(
         robot_plan.plan,
-        tuple(map(sentences.of, robot_plan.plan.actions)),
+        sentences.of,
         aims(prior.parts, dict(zip(parts, held, strict=True)), run.positions),
     )
 

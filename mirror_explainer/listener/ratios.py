@@ -1,7 +1,7 @@
 """P(s|way) / P(s|π_R): how much better a sentence fits another way than the robot's own."""
 
-from collections import Counter
-from collections.abc import Callable, Sequence
+import functools
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,42 +13,26 @@ from mirror_explainer.planning import Plan
 
 Floats = NDArray[np.float64]
 
-_VALUES = -1  # in place of a plan's length, for a row that is given by its values
-
 
 class Ratios:
-    """The different rows of ratios, one value for each of the sentences told of π_R.
+    """The different rows of ratios, one value for each of the T sentences told of π_R.
 
-    `sentence_of` says a ground action; `goal` is the index of G_R, and `own_plans` are what
-    planning found for b_R. Ways with the same row behave alike, whatever else they are.
+    `told` are these, in the order of their last places. `goal` is the index of G_R, and
+    `own_plans` are what planning found for b_R. Ways with the same row behave alike, whatever
+    else they are.
     """
 
-    def __init__(
-        self,
-        listener: Listener,
-        way: Way,
-        goal: int,
-        sentence_of: Callable[[str], str],
-        own_plans: Sequence[Plan],
-    ) -> None:
-        self.told = tuple(dict.fromkeys(way.sentences[::-1]))[
-            ::-1
-        ]  # in order of their last places
-        self._open, self._delta = listener.is_open, listener.other_ends
-        self._sentences = way.sentences
-        self._sentence_of = sentence_of
+    def __init__(self, listener: Listener, way: Way, goal: int, own_plans: Sequence[Plan]) -> None:
+        self.told = tuple(dict.fromkeys(way.sentences[::-1]))[::-1]
+        self._listener, self._way = listener, way
         self._column = {sentence: column for column, sentence in enumerate(self.told)}
-        counts = Counter(way.sentences)
-        self._share = np.array([counts[s] for s in self.told]) / max(1, len(way.sentences))
-        self._columns_of: dict[str, int | None] = {}
+        self._column_of = functools.cache(lambda action: self._column.get(way.sentence_of(action)))
         self._row_of_plan: dict[tuple[str, ...], int] = {}
-        # Rows by what they are made from: how often a plan has each sentence and how long it
-        # is, or the values themselves.
-        self._rows: dict[tuple[bytes, int], int] = {}
+        self._rows: dict[bytes, int] = {}  # by their values
         self._own_ends = self._ends(way.aims[goal][0])
         ends = {column for aims in way.aims for column in self._ends(aims[0])}
         self._means = [column for column in range(len(self.told)) if column not in ends]
-        needed = {self._column_of(action) for plan in own_plans for action in plan.actions}
+        needed = {column for plan in own_plans for column in self._columns(plan.actions)}
         self._needless = [m for m in self._means if own_plans and m not in needed]
 
     def of_plan(self, actions: tuple[str, ...]) -> int:
@@ -61,22 +45,13 @@ class Ratios:
         """
         row = self._row_of_plan.get(actions)
         if row is None:
-            counts = self._counts(actions)
-            row = self._row_of_plan[actions] = self._row(counts, 0 if self._open else len(actions))
+            if self._listener.is_open:
+                ratios = np.zeros(len(self.told))
+                ratios[self._columns(actions) + self._needless] = 1.0
+            else:
+                ratios = self._share(actions) / self._own_share
+            row = self._row_of_plan[actions] = self._row(ratios)
         return row
-
-    def _counts(self, actions: tuple[str, ...]) -> bytes:
-        """How often a way has each sentence; to the open listener, whether it has it."""
-        counts = [0] * len(self.told)
-        for action in actions:
-            column = self._column_of(action)
-            if column is not None:
-                counts[column] += 1
-        if self._open:
-            for column in self._needless:
-                counts[column] = 1
-            return bytes(map(bool, counts))
-        return np.array(counts, dtype=np.uint32).tobytes()
 
     def of_aim(self, aim: Aim, means: Floats) -> int:
         """Return the row of an unforeseen way: κ of the method, section 1.
@@ -84,40 +59,35 @@ class Ratios:
         For the open listener `means`, shape (T,), is what a sentence weighs that is nobody's
         end.
         """
-        ends = self._ends(aim)
-        row = np.ones(len(self.told))
-        if self._open:
-            row[self._means] = means[self._means]
-        row[list(self._own_ends - ends)] = self._delta
-        row[list(ends - self._own_ends)] = 1.0 / self._delta
-        return self._row(row.tobytes(), _VALUES)
+        ends, delta = self._ends(aim), self._listener.other_ends
+        ratios = np.ones(len(self.told))
+        if self._listener.is_open:
+            ratios[self._means] = means[self._means]
+        ratios[list(self._own_ends - ends)] = delta
+        ratios[list(ends - self._own_ends)] = 1.0 / delta
+        return self._row(ratios)
 
     @property
     def rows(self) -> Floats:
-        """All rows, shape (R, T)."""
-        rows = np.empty((len(self._rows), len(self.told)), order='F')
-        if not self.told:
-            return rows
-        kinds = np.array([length for _, length in self._rows])
-        for values, of_kind, dtype in (
-            (True, kinds == _VALUES, np.float64),
-            (False, kinds != _VALUES, np.uint8 if self._open else np.uint32),
-        ):
-            texts = [text for text, length in self._rows if (length == _VALUES) is values]
-            rows[of_kind] = np.frombuffer(b''.join(texts), dtype).reshape(-1, len(self.told))
-        if not self._open:
-            lengths = np.where(kinds == _VALUES, 1, kinds)
-            scale = np.where(kinds[:, None] == _VALUES, 1.0, self._share)
-            rows /= np.maximum(lengths, 1)[:, None] * scale
-        return rows
+        """All rows, shape (R, T); each sentence's ratios are next to each other in memory."""
+        rows = np.frombuffer(b''.join(self._rows)).reshape(len(self._rows), len(self.told))
+        return np.asfortranarray(rows)
+
+    @functools.cached_property
+    def _own_share(self) -> Floats:
+        return self._share(self._way.plan.actions)
+
+    def _share(self, actions: Sequence[str]) -> Floats:
+        """Count(s in π) / |π| for each sentence."""
+        counts = np.bincount(self._columns(actions), minlength=len(self.told))
+        return counts / max(1, len(actions))
+
+    def _columns(self, actions: Sequence[str]) -> list[int]:
+        """The columns of the actions whose sentences π_R has, too."""
+        return [c for action in actions if (c := self._column_of(action)) is not None]
 
     def _ends(self, aim: Aim) -> frozenset[int]:
-        return frozenset(self._column[self._sentences[position]] for position in aim.ends.values())
+        return frozenset(self._columns([self._way.plan.actions[p] for p in aim.positions]))
 
-    def _column_of(self, action: str) -> int | None:
-        if action not in self._columns_of:
-            self._columns_of[action] = self._column.get(self._sentence_of(action))
-        return self._columns_of[action]
-
-    def _row(self, text: bytes, length: int) -> int:
-        return self._rows.setdefault((text, length), len(self._rows))
+    def _row(self, ratios: Floats) -> int:
+        return self._rows.setdefault(ratios.tobytes(), len(self._rows))

@@ -6,7 +6,8 @@ ways of its goal, one that is proved to have none gives nothing.
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,68 +22,53 @@ _ROUNDING = 1e-9  # of a share: sums of floats leave something where there is no
 _NOT_YET = BeliefPlans(Status.UNKNOWN, reason='not planned for yet')
 
 
+@dataclass(frozen=True)
+class _Held:
+    """A belief that may have a plan, its P(b), and the plans that are known."""
+
+    belief: Belief
+    probability: float
+    plans: Sequence[Plan]
+
+
 def mirror_model(
     prior: Prior,
     results: Mapping[Belief, BeliefPlans],
     way: Way,
-    sentence_of: Callable[[str], str],
-    rationality: float,
     listener: Listener,
+    rationality: float,
     *,
     one_plan: bool = True,
     stop: Callable[[], None] = lambda: None,
 ) -> MirrorModel:
     """Return P_R^H from P(B) and what planning found so far for its beliefs.
 
-    `sentence_of` says a ground action; β is `rationality`, in 1/cost unit. `one_plan` says
-    that one plan a belief was asked for. `stop` is called now and then, and may raise to
-    end the work.
+    β is `rationality`, in 1/cost unit. `one_plan` says that one plan a belief was asked for.
+    `stop` is called now and then, and may raise to end the work.
     """
-    own_result = results.get(prior.beliefs[prior.robot_belief], _NOT_YET)
-    ratios = Ratios(listener, way, prior.robot_goal, sentence_of, own_result.plans)
-    mu, omega = listener.unforeseen, listener.partial_goals
-    judged = [
-        (belief, mass, results.get(belief, _NOT_YET))
-        for belief, mass in zip(prior.beliefs, prior.probabilities, strict=True)
-    ]
-    robot_belief = prior.beliefs[prior.robot_belief]
-    unsolvable = math.fsum(
-        mass
-        for belief, mass, result in judged
-        if result.status is Status.UNSOLVABLE and belief != robot_belief
-    )
+    held = [*_held(prior, results, way.plan, one_plan)]
+    unsolvable = math.fsum(prior.probabilities) - math.fsum(h.probability for h in held)
     scale = 1.0 / (math.fsum(prior.goal_masses) - unsolvable)
-    # The mass of each goal's unforeseen ways: their μ-share, and what was not planned for.
-    not_enumerated = _not_enumerated(prior)
-    shares, unplanned = mu * not_enumerated, (1 - mu) * not_enumerated
-    foreseen: list[Hypothesis] = []
+
+    robot_belief = prior.beliefs[prior.robot_belief]
+    ratios = Ratios(listener, way, prior.robot_goal, results.get(robot_belief, _NOT_YET).plans)
+    hypotheses: list[Hypothesis] = []
     robot = -1
-    for index, (belief, mass, result) in enumerate(judged):
+    for index, of in enumerate(held):
         if index % 256 == 0:
             stop()
-        plans: Sequence[Plan] = result.plans
-        if belief == robot_belief:
-            plans = _with_robot_plan(way.plan, plans, one_plan)
-            robot = len(foreseen)
-        elif result.status is Status.UNSOLVABLE:
-            continue
-        for plan, share in zip(plans, plan_probabilities(plans, rationality), strict=True):
-            weight, row = (1 - mu) * mass * share * scale, ratios.of_plan(plan.actions)
-            foreseen.append(Hypothesis(belief.goal, weight, row, plan, belief))
-        shares[belief.goal] += mu * mass
-        unplanned[belief.goal] += 0.0 if plans else (1 - mu) * mass
+        if of.belief == robot_belief:
+            robot = len(hypotheses)
+        mass = (1.0 - listener.unforeseen) * of.probability * scale
+        for plan, share in zip(of.plans, plan_probabilities(of.plans, rationality), strict=True):
+            row = ratios.of_plan(plan.actions)
+            hypotheses.append(Hypothesis(of.belief.goal, mass * share, row, plan, of.belief))
 
-    means = _means(foreseen, prior.robot_goal, ratios)
-    unforeseen: list[Hypothesis] = []
-    for goal, (whole, *partial) in enumerate(way.aims):
-        lent = omega * shares[goal] if partial else 0.0
-        masses = [
-            shares[goal] - lent + unplanned[goal],
-            *[lent / max(1, len(partial))] * len(partial),
-        ]
-        unforeseen += [
+    means = _means(hypotheses, prior.robot_goal, ratios.rows)
+    for goal, masses in enumerate(_unforeseen(prior, held, way, listener)):
+        hypotheses += [
             Hypothesis(goal, float(mass * scale), ratios.of_aim(aim, means), aim=aim)
-            for aim, mass in zip((whole, *partial), masses, strict=True)
+            for aim, mass in zip(way.aims[goal], masses, strict=True)
             if mass > 0.0
         ]
     cut = [result.cut for result in results.values() if result.cut]
@@ -92,7 +78,7 @@ def mirror_model(
         facts=prior.facts,
         way=way,
         told=ratios.told,
-        hypotheses=(*foreseen, *unforeseen),
+        hypotheses=tuple(hypotheses),
         robot=robot,
         ratios=ratios.rows,
         covered=prior.covered_mass,
@@ -101,6 +87,42 @@ def mirror_model(
         plans_cut=len(cut),
         cut_by_time=cut.count('time'),
     )
+
+
+def _held(
+    prior: Prior, results: Mapping[Belief, BeliefPlans], robot_plan: Plan, one_plan: bool
+) -> Iterator[_Held]:
+    """Yield the beliefs that are not proved to have no plan; b_R has π_R first."""
+    robot_belief = prior.beliefs[prior.robot_belief]
+    for belief, probability in zip(prior.beliefs, prior.probabilities, strict=True):
+        result = results.get(belief, _NOT_YET)
+        if belief == robot_belief:
+            plans = _with_robot_plan(robot_plan, result.plans, one_plan)
+            yield _Held(belief, probability, plans)
+        elif result.status is not Status.UNSOLVABLE:
+            yield _Held(belief, probability, result.plans)
+
+
+def _unforeseen(
+    prior: Prior, held: Sequence[_Held], way: Way, listener: Listener
+) -> Iterator[list[float]]:
+    """Yield for each goal the masses of the unforeseen ways with its aims, in their order.
+
+    That is the μ-share of all that may be believed of it, of which ω goes to the aims that
+    lack a part; and, to the whole goal, all of what is not planned for.
+    """
+    shares = _not_enumerated(prior)
+    unplanned = shares.copy()
+    for of in held:
+        shares[of.belief.goal] += of.probability
+        unplanned[of.belief.goal] += 0.0 if of.plans else of.probability
+    mu = listener.unforeseen
+    for share, without_plan, aims in zip(
+        mu * shares, (1.0 - mu) * unplanned, way.aims, strict=True
+    ):
+        partial = len(aims) - 1
+        lent = listener.partial_goals * share if partial else 0.0
+        yield [share - lent + without_plan, *[lent / max(1, partial)] * partial]
 
 
 def planned_share(prior: Prior, results: Mapping[Belief, BeliefPlans]) -> float:
@@ -147,12 +169,12 @@ def _with_robot_plan(robot_plan: Plan, plans: Sequence[Plan], one_plan: bool) ->
     return (robot_plan, *(plan for plan in plans if plan not in replaced[:1]))
 
 
-def _means(foreseen: Sequence[Hypothesis], goal: int, ratios: Ratios) -> Floats:
+def _means(foreseen: Sequence[Hypothesis], goal: int, ratios: Floats) -> Floats:
     """The share of the robot's goal's foreseen ways that have each sentence, shape (T,).
 
     That is what a means weighs in an unforeseen way: how the robot goes about a goal tells
-    nothing about the goal to those who cannot foresee it.
+    nothing about the goal to those who cannot foresee it. `ratios` are the rows so far.
     """
     own = [h for h in foreseen if h.goal == goal]
     mass = np.array([h.probability for h in own])
-    return np.asarray(mass @ (ratios.rows[[h.ratios for h in own]] > 0) / mass.sum())
+    return np.asarray(mass @ (ratios[[h.ratios for h in own]] > 0) / mass.sum())

@@ -19,12 +19,12 @@ from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.experiments.understanding.judged import Judged, judgements, plan_task
 from mirror_explainer.experiments.understanding.tasks import own_tasks, pucrs_tasks
-from mirror_explainer.listener import mirror_model
+from mirror_explainer.listener import weighing
 from mirror_explainer.planning import Planner
 
 WEIGHTS = {
-    'share of the foreseen ways': mirror_model._means,
-    '1': lambda foreseen, goal, ratios: np.ones(len(ratios.told)),
+    'share of the foreseen ways': weighing._means,
+    '1': lambda foreseen, goal, ratios: np.ones(ratios.shape[1]),
 }
 
 
@@ -38,7 +38,7 @@ def rows(dataset: Path, instances: int) -> Iterator[dict[str, object]]:
                 print(f'left out: {drawn.name}: {error}', file=sys.stderr)
                 continue
         for weight, means in WEIGHTS.items():
-            with patch.object(mirror_model, '_means', means):
+            with patch.object(weighing, '_means', means):
                 planned.one._models.clear()
                 planned.many._models.clear()
                 judged: list[Judged] = [*judgements(planned, counts=(1,))]

@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for seed in range(options.instances):
         drawn = instance(seed, options.hypotheses)
         began = time.perf_counter()
-        model = mirror_model(*drawn, str, 1.0, LISTENERS[options.listener])
+        model = mirror_model(*drawn, LISTENERS[options.listener], 1.0)
         built = time.perf_counter()
         found = most_informative(model.evidence(), options.n, Question.selection_budget)
         done = time.perf_counter()
@@ -118,7 +118,7 @@ def instance(seed: int, hypotheses: int) -> tuple[Prior, dict[Belief, BeliefPlan
         tuple(masses),
         (),
     )
-    way = Way(Plan(tuple(steps), 1.0), tuple(steps), aims(goals, truth, range(STEPS)))
+    way = Way(Plan(tuple(steps), 1.0), str, aims(goals, truth, range(STEPS)))
     return prior, results, way
 
 

@@ -73,10 +73,9 @@ class Robot:
         return mirror_model(
             prior,
             results,
-            Way(Plan(self.plan, self.cost), tuple(map(said, self.plan)), seen_by),
-            said,
-            self.rationality,
+            Way(Plan(self.plan, self.cost), said, seen_by),
             listener,
+            self.rationality,
             one_plan=self.one_plan,
         )
 

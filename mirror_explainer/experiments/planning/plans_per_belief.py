@@ -90,9 +90,8 @@ class Listener:
             prior,
             dict(zip(prior.beliefs, found, strict=True)),
             way_of(scene.task, own, prior, sentences),
-            sentences.of,
-            model.rationality,
             PLANNER,
+            model.rationality,
             one_plan=count == 1,
         )
 

@@ -75,8 +75,7 @@ class PlannedScenario:
             plans = (self.plans[goal, charged], *needless)
             results[belief] = BeliefPlans(Status.SOLVED, plans)
         way = way_of(self.task, self.robot_plan, prior, self.sentences)
-        rationality = user_model.rationality
-        return mirror_model(prior, results, way, self.sentences.of, rationality, listener)
+        return mirror_model(prior, results, way, listener, user_model.rationality)
 
     def _needless(self, goal: FetchGoal, charged: bool) -> list[Plan]:
         """Return plans that reach the goal with more work than is needed, the cheapest first."""
