@@ -59,6 +59,13 @@ def test_a_command_names_what_there_is(page: Path, words: list[str]):
             assert (ROOT / script).exists()
 
 
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+def test_a_page_with_commands_of_ros_says_that_they_need_it(page: Path):
+    text = ' '.join(page.read_text().split())
+    ros = any(words[0] == 'ros2' for words in commands(page))
+    assert not ros or "a robot's ROS" in text
+
+
 def require_parameters(program: str, words: list[str]) -> None:
     """Require that the explainer has the parameters that are given to it."""
     given = [word.split(':=')[0] for before, word in pairwise(words) if before == '-p']
