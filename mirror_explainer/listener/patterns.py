@@ -92,6 +92,9 @@ def _entries(
             if variable not in kinds:
                 meant = did_you_mean(variable, kinds)
                 raise InputError(name, f'"for" has no variable "{variable}"{meant}')
+    if choices is None and key == 'goal':
+        name = f'{rest.get("name") or text} {kinds} {where}'  # goals of one text may differ here
+        return [rest | {'name': name}]
     if choices is None:
         return [rest] if key != 'facts' else [rest | {'facts': {text: 1.0}}]
     chosen = list(choices.of(kinds, where))

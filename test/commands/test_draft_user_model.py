@@ -111,6 +111,35 @@ def test_a_goal_seen_in_another_problem_is_left_out_with_a_warning(park, tmp_pat
     )
 
 
+# A robot in a domain without types, where one room happens to be dirty.
+CLEANER = """(define (domain cleaner) (:requirements :strips)
+  (:predicates (room ?x) (tool ?x) (dirty ?x) (mopped ?x) (washed ?x))
+  (:action mop :parameters (?x) :precondition (room ?x) :effect (mopped ?x))
+  (:action wash :parameters (?x) :precondition (tool ?x) :effect (washed ?x)))"""
+FLAT = """(define (problem flat) (:domain cleaner) (:objects hall kitchen bath brush pail)
+  (:init (room hall) (room kitchen) (room bath) (tool brush) (tool pail) (dirty kitchen))
+  (:goal (and (mopped kitchen) (washed pail))))"""
+
+
+def test_what_only_one_object_is_does_not_bound_its_like():
+    task = read_task(CLEANER, FLAT)
+    world = World(task)
+    [pattern] = world.like(['(mopped kitchen)'])
+    assert pattern.where == ('(room {object})',)
+    assert world.count(pattern) == 3
+
+
+def test_a_wider_pattern_takes_the_place_of_a_narrower_one():
+    domain = CLEANER.replace('(dirty ?x)', '(dirty ?x) (wet ?x)')
+    problem = FLAT.replace('(dirty kitchen)', '(dirty kitchen) (dirty bath)')
+    task = read_task(domain, problem)
+    world = World(task)
+    found = candidates(world, world.parts('(mopped kitchen)'), {'(mopped hall)': 1})
+    wide = [c for c in found if c.pattern.types]
+    # Two different goals of one form: 1 each, and 1 for the form.
+    assert [(c.pattern.where, c.weight, c.count) for c in wide] == [(('(room {object})',), 3.0, 3)]
+
+
 def test_one_object_may_have_the_place_of_two():
     domain = """(define (domain photos) (:requirements :strips :typing) (:types tower mode)
       (:predicates (taken ?t - tower ?m - mode) (dark ?m - mode))

@@ -66,6 +66,13 @@ def test_what_two_patterns_stand_for_is_one_goal_with_both_shares(read):
     assert shares['(shown faun west)'] == 0.5  # 3/3 of the first and 1 of the second, of 4
 
 
+def test_before_the_task_is_known_patterns_of_one_text_are_no_duplicates(model_file):
+    text = """goals:
+      - {goal: "(shown faun {r})", for: {r: room}, where: "(lit {r})"}
+      - {goal: "(shown faun {r})", for: {r: room}, where: "(in faun {r})"}"""
+    assert len(read_user_model(model_file(text)).goals) == 2
+
+
 def test_facts_and_groups_may_have_patterns(read):
     model = read("""goals: [{goal: (shown faun west)}]
 uncertain_facts: [{fact: "(lit {r})", for: {r: room}, probability: 0.5}]

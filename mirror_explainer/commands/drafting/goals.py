@@ -1,6 +1,6 @@
 """Candidate goals: the robot's own and those seen, and what is like them."""
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from mirror_explainer.commands.drafting.patterns import Pattern, World
@@ -63,25 +63,30 @@ def _add(
 ) -> None:
     """Add patterns, which share the weight.
 
-    One that stands for no others than one that is there adds to its weight; `first`
-    is for those that are the first of their form.
+    Of two that are alike, where one stands for all goals of the other, the wider one gets the
+    weights of both; `first` is for those that are the first of their form.
     """
     for pattern in patterns:
-        goals = {frozenset(goal) for goal in world.goals(pattern)}
-        known = next((known for known in found if _stands_for(world, known, pattern, goals)), None)
-        if known is None:
-            found[pattern] = ((weight + first) / len(patterns), why)
-        else:
-            before, reason = found[known]
-            found[known] = (before + weight / len(patterns), reason)
+        share = weight / len(patterns)
+        wider = next((known for known in found if _stands_for(world, known, pattern)), None)
+        if wider:
+            found[wider] = (found[wider][0] + share, found[wider][1])
+            continue
+        narrower = [known for known in found if known.types and _stands_for(world, pattern, known)]
+        absorbed = [found.pop(known) for known in narrower]
+        reason = absorbed[0][1] if absorbed else why
+        share += sum(before for before, _ in absorbed) if absorbed else first / len(patterns)
+        found[pattern] = (share, reason)
 
 
-def _stands_for(
-    world: World, known: Pattern, pattern: Pattern, goals: Set[frozenset[str]]
-) -> bool:
+def _stands_for(world: World, wider: Pattern, narrower: Pattern) -> bool:
     """Say whether a pattern stands for all the goals of another."""
-    alike = sorted(map(_head, known.parts)) == sorted(map(_head, pattern.parts))
-    return alike and goals <= {frozenset(goal) for goal in world.goals(known)}
+    if sorted(map(_head, wider.parts)) != sorted(map(_head, narrower.parts)):
+        return False
+    goals, others = (
+        {frozenset(goal) for goal in world.goals(pattern)} for pattern in (wider, narrower)
+    )
+    return goals >= others
 
 
 def _bounded(world: World, found: Mapping[Pattern, tuple[float, str]]) -> Iterator[Candidate]:

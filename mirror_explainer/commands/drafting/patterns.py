@@ -2,7 +2,7 @@
 
 A goal is lifted to variables over the types of its objects. What never changes and holds
 between them ("goes on", "belongs to") is asked of the others as well, so that few choices
-make no sense.
+make no sense; likewise what some of a type are ("is a room"), if more than one is.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -82,9 +82,15 @@ class World:
             _renamed(fact, names)
             for fact in self.static_facts
             if (objects := set(words_of(fact)[1:])) and objects <= names.keys()
+            if len(objects) > 1 or self._shared(*words_of(fact)[:2])
         )
         types = tuple((name.strip('{}'), self.types[item]) for item, name in names.items())
         return Pattern(tuple(_renamed(part, names) for part in parts), types, tuple(where))
+
+    def _shared(self, predicate: str, item: str) -> bool:
+        """Say whether another object of the item's type is as the predicate says, too."""
+        others = (other for other in self.of_type[self.types[item]] if other != item)
+        return any(f'({predicate} {other})' in self.static_facts for other in others)
 
     def like(self, parts: Sequence[str]) -> list[Pattern]:
         """Return patterns of goals like this one, each with a bounded number of choices.
