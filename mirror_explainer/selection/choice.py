@@ -4,7 +4,6 @@ Sets are of different sentences. Small ones are all looked at, as Algorithm 1 ha
 there are too many for the time, a search finds a good one, and the gap says how good.
 """
 
-import contextlib
 import math
 import time
 from collections.abc import Iterator, Sequence
@@ -19,6 +18,9 @@ from mirror_explainer.selection.enumeration import (
 )
 from mirror_explainer.selection.evidence import Evidence
 from mirror_explainer.selection.search import greedy, improved, least_doubt
+
+# Of the time for sets of any sentences, where those of ends alone may have to be looked at, too.
+_SHARE_OF_ANY = 0.8
 
 
 @dataclass(frozen=True)
@@ -166,7 +168,8 @@ def _best(evidence: Evidence, size: int, end: float) -> Selection:
     the best of ends alone is taken.
     """
     if evidence.has_surprises:
-        columns, gap = _best_of_any(evidence, size, end)
+        now = time.monotonic()
+        columns, gap = _best_of_any(evidence, size, now + _SHARE_OF_ANY * (end - now))
         if evidence.means.isdisjoint(columns) or not evidence.leaves_an_end(columns):
             return selection_of(evidence, columns, gap)
     ends = evidence.of_ends()
@@ -178,10 +181,12 @@ def _best_of_any(evidence: Evidence, size: int, end: float) -> tuple[Sequence[in
     if size == len(evidence.places):
         return range(size), 0.0
     starts = [greedy(evidence, size, end), *(order(evidence)[:size] for order in ORDERS.values())]
-    start = min(starts, key=evidence.doubt_after)
+    start: Sequence[int] = min(starts, key=evidence.doubt_after)
     if least_seconds(evidence, size) < end - time.monotonic():
-        with contextlib.suppress(OutOfTime):
+        try:
             return best_of_all(evidence, size, start, end), 0.0
+        except OutOfTime as stopped:
+            start = stopped.best
     found = improved(evidence, start, end)
     return found, _gap(evidence, found)
 

@@ -29,7 +29,11 @@ _SECONDS_AN_OPERATION = 1e-10
 
 
 class OutOfTime(Exception):
-    """The time is up before all sets are looked at."""
+    """The time is up before all sets are looked at; `best` are the columns of the best so far."""
+
+    def __init__(self, best: Sequence[int]) -> None:
+        super().__init__()
+        self.best = best
 
 
 class _Progress:
@@ -39,13 +43,12 @@ class _Progress:
         self._began, self._end = time.monotonic(), end
         self._looked_at, self._total = 0, total
 
-    def go_on(self, sets: int) -> None:
-        """Look at so many more. Raises OutOfTime."""
+    def goes_on(self, sets: int) -> bool:
+        """Say whether so many more may be looked at."""
         taken = time.monotonic() - self._began
         share = max(self._looked_at / self._total, _FORESEEN_FROM)
-        if self._began + taken / share > self._end:
-            raise OutOfTime
         self._looked_at += sets
+        return self._began + taken / share <= self._end
 
 
 def least_seconds(evidence: Evidence, size: int) -> float:
@@ -71,12 +74,13 @@ def best_of_all(
         return (int(np.flatnonzero(doubts <= doubts.min() + TIE)[-1]),)
     first, rest = _heaviest_first(evidence)
     least = evidence.doubt_after(known)
-    best: list[tuple[float, tuple[int, ...]]] = []
+    best = [(least, tuple(sorted(known)))]
     sentences = evidence.ratio.shape[1]
     progress = _Progress(math.comb(sentences, size), end)
     for prefix in itertools.combinations(range(sentences - 2), size - 2):
         start = prefix[-1] + 1 if prefix else 0
-        progress.go_on(math.comb(sentences - start, 2))
+        if not progress.goes_on(math.comb(sentences - start, 2)):
+            raise OutOfTime(_latest_of(best, least))
         masses = _masses_of_pairs(first, prefix, start)
         doubts = _doubts_of_pairs(evidence, masses)
         if len(rest.ratio):
@@ -94,7 +98,13 @@ def best_of_all(
         if len(tied):
             last = tied[np.lexsort(tied.T)[-1]]  # by the last column, then the one before
             best.append((float(doubts[tuple(last)]), prefix + tuple((start + last).tolist())))
-    return max((columns for doubt, columns in best if doubt <= least + TIE), key=lambda c: c[::-1])
+    return _latest_of(best, least)
+
+
+def _latest_of(found: Sequence[tuple[float, tuple[int, ...]]], least: float) -> tuple[int, ...]:
+    """Of the sets that leave the least doubt, the one with the latest last column, and so on."""
+    best = (columns for doubt, columns in found if doubt <= least + TIE)
+    return max(best, key=lambda columns: columns[::-1])
 
 
 def _heaviest_first(evidence: Evidence) -> tuple[Evidence, Evidence]:

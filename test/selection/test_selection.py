@@ -18,6 +18,7 @@ from mirror_explainer.selection.choice import (
     most_informative,
     smallest_sufficient,
 )
+from mirror_explainer.selection.enumeration import OutOfTime, best_of_all
 from mirror_explainer.selection.evidence import Doubt, Evidence
 from mirror_explainer.selection.search import least_doubt
 
@@ -185,6 +186,24 @@ def test_a_search_is_honest_about_its_gap_and_never_below_a_baseline(evidence):
 
             assert best <= found.information_gain + found.gap + 1e-9
             assert all(found.information_gain >= s.information_gain - 1e-9 for s in said)
+
+
+@generated
+@given(evidences(), st.integers(0, 6))
+def test_an_enumeration_that_is_stopped_gives_the_best_so_far(evidence, looked_at):
+    size, known = min(3, len(evidence.places)), range(min(3, len(evidence.places)))
+    ticks = itertools.count()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(enumeration._Progress, 'goes_on', lambda *_: next(ticks) < looked_at)
+        try:
+            found = best_of_all(evidence, size, known, math.inf)
+        except OutOfTime as stopped:
+            found = stopped.best
+            assert len(set(found)) == size
+        else:
+            assert found == best_set(evidence, size)
+
+    assert evidence.doubt_after(found) <= evidence.doubt_after(known) + 1e-9
 
 
 @generated
