@@ -4,7 +4,6 @@ Run as `python3 -m mirror_explainer.experiments.planning.further [--pucrs DIR]`,
 (PyPI, GPLv3) installed. Prints a Markdown table. Every count that both end with must be the same.
 """
 
-import argparse
 import json
 import resource
 import subprocess
@@ -15,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mirror_explainer.commands.options import whole
-from mirror_explainer.errors import InputError, PlanningError, told
+from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.dataset import listed_locations
 from mirror_explainer.experiments.planning.cases import pucrs_instance
 from mirror_explainer.experiments.planning.robots import robots
@@ -92,8 +92,12 @@ def line(name: str, one: Found, other: Found) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure and print; return 0, or 2 for bad input, told on stderr."""
-    parser = argparse.ArgumentParser(
-        prog='further', description='Find all optimal plans, beside K*.'
+    command = 'python3 -m mirror_explainer.experiments.planning.further'
+    parser = command_parser(
+        'further',
+        'Find all optimal plans, beside K*.',
+        command,
+        f'{command} --only kitchen --goals 1',
     )
     parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
     parser.add_argument('--only', default='', help='only what has this in its name')
@@ -113,7 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             beliefs = [Belief(goal, facts) for goal in range(len(space.goals))][: options.goals]
             print(line(name, ours(space, beliefs), kstar(space, beliefs)), flush=True)
     except (InputError, PlanningError, subprocess.CalledProcessError, OSError) as error:
-        print(f'further: {told(error)}', file=sys.stderr)
+        tell_error('further', error)
         return 2
     except KeyboardInterrupt:
         return 130
