@@ -1,5 +1,6 @@
 """Each search of the portfolio finds the optimal costs, on whatever is left of a task."""
 
+import itertools
 import os
 from pathlib import Path
 from random import Random
@@ -16,10 +17,11 @@ from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.translations import Translations
-from mirror_explainer.planning.downward.portfolio import PLAIN, Lesson, next_try
+from mirror_explainer.planning.downward.portfolio import PLAIN, Try, next_try
 from mirror_explainer.planning.downward.program import Search, find_downward
-from mirror_explainer.planning.downward.subject import SearchInput, Subjects
+from mirror_explainer.planning.downward.subject import Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
+from mirror_explainer.planning.downward.what_matters import GoalTask
 
 SPACES = -(-int(os.environ.get('MIRROR_EXPLAINER_BELIEFS', '320')) // 40)
 FOREVER = 1000.0  # s
@@ -40,9 +42,9 @@ def every_subject(lists: Lists, space: BeliefSpace) -> list[Subjects]:
     return [*walks, singles]
 
 
-def searched(subjects: Subjects, subject: object, task: SearchInput, member: str) -> float | None:
+def searched(subjects: Subjects, subject: object, text: bytes, member: str) -> float | None:
     """Return the cost that one search finds, None if it says that there is no plan."""
-    search = Search(find_downward('') or '', task.text, member, FOREVER)
+    search = Search(find_downward('') or '', text, member, FOREVER)
     outcome = search.outcome()
     assert outcome.status is not Status.UNKNOWN, (member, outcome)
     if outcome.status is Status.UNSOLVABLE:
@@ -66,11 +68,16 @@ def check_every_member(space: BeliefSpace) -> int:
             if finding is not None:
                 assert (finding.plan is None) == (cost is None)
                 continue
-            whole = subjects.search_input(subject)
-            for task in [whole, *([whole.thorough()] if whole.thorough else [])]:
-                for member in task.members:
-                    assert searched(subjects, subject, task, member) == cost, member
-                    compared += 1
+            task = subjects.search_input(subject)
+            texts = [task.text]
+            if isinstance(subjects, SupersetWalk):  # and without detours, as for further plans
+                direct, state = GoalTask(subjects.task, subjects.goal(subject)).from_here(
+                    subject.state
+                )
+                texts.append(direct.text(state))
+            for text, member in itertools.product(texts, task.members):
+                assert searched(subjects, subject, text, member) == cost, member
+                compared += 1
     return compared
 
 
@@ -102,7 +109,7 @@ def test_every_search_for_derived_predicates_finds_what_fast_downward_says(seed:
     check_every_member(random_derived_space(Random(seed)))
 
 
-def tries(lesson: Lesson | None, left: float) -> list[tuple[str, float]]:
+def tries(lesson: Try | None, left: float) -> list[tuple[str, float]]:
     """Return what is tried one after another on a task that no search is done with."""
     tried: dict[str, float] = {}
     found = []
@@ -127,7 +134,7 @@ def test_short_tries_of_every_search_come_before_longer_ones() -> None:
 def test_what_suited_one_task_is_tried_first_and_for_longer_at_the_next() -> None:
     first, second, third = PLAIN
 
-    assert tries(Lesson(third, 0.01, hard=False), 6.0)[:6] == [
+    assert tries(Try(third, 0.01), 6.0)[:6] == [
         (third, 0.8),
         (first, 0.1),
         (second, 0.1),
@@ -135,7 +142,7 @@ def test_what_suited_one_task_is_tried_first_and_for_longer_at_the_next() -> Non
         (first, 0.4),
         (second, 0.4),
     ]
-    assert tries(Lesson(second, 0.7, hard=True), 10.0)[0] == (second, 1.4)
+    assert tries(Try(second, 0.7), 10.0)[0] == (second, 1.4)
 
 
 def test_the_time_in_which_a_search_does_not_work_does_not_count(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, St
 from mirror_explainer.planning.downward.flagged_task import DOWN, flagged, with_positive_costs
 from mirror_explainer.planning.downward.ground_task import GroundTask
 from mirror_explainer.planning.downward.optimal_plans import OptimalPlans, optimal_plans
-from mirror_explainer.planning.downward.portfolio import PLAIN, Lesson
+from mirror_explainer.planning.downward.portfolio import PLAIN, Try
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
 from mirror_explainer.planning.downward.what_matters import GoalTask
@@ -40,7 +40,7 @@ class Alternative:
     open_parents: int = 0
     children: list['Alternative'] = field(default_factory=list)
     hopeless: bool = False
-    lesson: Lesson | None = None
+    lesson: Try | None = None
 
     @property
     def members(self) -> list[Belief]:

@@ -39,30 +39,21 @@ _LEEWAY = 2.0
 
 @dataclass(frozen=True)
 class Try:
-    """A search that may take so many seconds."""
+    """A search that may take so many seconds, or took them."""
 
     configuration: str
     seconds: float
-
-
-@dataclass(frozen=True)
-class Lesson:
-    """What suited a task: a search that took so many seconds, `hard` if it was not the first."""
-
-    configuration: str
-    seconds: float
-    hard: bool
 
 
 def next_try(
     members: Sequence[str],
-    lesson: Lesson | None,
+    lesson: Try | None,
     tried: Mapping[str, float],
     left: float,
 ) -> Try | None:
     """Return which of the searches to try next, None when all is over.
 
-    `lesson` is from a task like it. `tried` has the longest time that each search was tried
+    `lesson` is what suited a task like it. `tried` has the longest time that each search was tried
     for, infinity if it cannot be tried for longer; so many seconds are `left`.
     """
     order = [member for member in members if tried.get(member, 0.0) < math.inf]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
-from mirror_explainer.planning.downward.portfolio import FIRST_TRY, Lesson, Try, next_try
+from mirror_explainer.planning.downward.portfolio import FIRST_TRY, Try, next_try
 from mirror_explainer.planning.downward.program import Outcome, Search
 from mirror_explainer.planning.downward.subject import Finding, SearchInput, Subject, Subjects
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
@@ -42,7 +42,7 @@ class _Job:
     subjects: Subjects
     subject: Subject
     left: float
-    lesson: Lesson | None = None
+    lesson: Try | None = None
     input: SearchInput | None = None
     now: Try | None = None
     tried: dict[str, float] = field(default_factory=dict)
@@ -53,10 +53,7 @@ class _Job:
     def next_try(self) -> bool:
         """Decide on the next search, and say whether there is one."""
         if self.input is not None:
-            if self.input.thorough and (self.now or (self.lesson and self.lesson.hard)):
-                self.input, self.tried = self.input.thorough(), {}
-            seconds = min(self.left, FIRST_TRY) if self.input.thorough else self.left
-            self.now = next_try(self.input.members, self.lesson, self.tried, seconds)
+            self.now = next_try(self.input.members, self.lesson, self.tried, self.left)
         return self.now is not None
 
 
@@ -82,7 +79,7 @@ class Searches:
         self._running: dict[Search, _Job] = {}
         self._begun = 0
         self._scouting = True
-        self._lesson: Lesson | None = None
+        self._lesson: Try | None = None
         self._failures = 0
         self._all_failed = True
         self.calls = 0
@@ -217,8 +214,7 @@ class Searches:
         self._count(outcome)
         assert job.input and job.now, 'it was tried'
         if outcome.status is not Status.UNKNOWN:
-            configuration, seconds = job.now.configuration, outcome.seconds
-            job.subject.lesson = Lesson(configuration, seconds, hard=not job.input.thorough)
+            job.subject.lesson = Try(job.now.configuration, outcome.seconds)
             self._settle(job, Finding(plan))
         elif outcome.crashed and not job.crashed:
             job.crashed = True

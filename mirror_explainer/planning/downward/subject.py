@@ -1,12 +1,12 @@
 """What searches are run for: tasks, whether grounded all at once or one by one."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans
-from mirror_explainer.planning.downward.portfolio import Lesson
+from mirror_explainer.planning.downward.portfolio import Try
 
 
 @dataclass(frozen=True)
@@ -18,26 +18,22 @@ class Finding:
 
 @dataclass(frozen=True)
 class SearchInput:
-    """What a search reads, and which searches to try on it.
-
-    `thorough` gives one that took longer to make, if there is any, for tasks that are not easy.
-    """
+    """What a search reads, and which searches to try on it."""
 
     text: bytes
     members: Sequence[str]
-    thorough: 'Callable[[], SearchInput] | None' = None
 
 
 class Subject(Protocol):
     """One task, and the beliefs that are this task.
 
-    `hopeless` says that a search is known to take too long; `lesson` is what it taught. `parents`
+    `hopeless` says that a search is known to take too long; `lesson` is what suited it. `parents`
     are tasks like it that are planned for before.
     """
 
     members: list[Belief]
     hopeless: bool
-    lesson: Lesson | None
+    lesson: Try | None
 
     @property
     def parents(self) -> Sequence['Subject']:

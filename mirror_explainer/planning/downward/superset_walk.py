@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Fact, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
-from mirror_explainer.planning.downward.portfolio import PLAIN, Lesson
+from mirror_explainer.planning.downward.portfolio import PLAIN, Try
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.what_matters import GoalTask
 
@@ -37,7 +37,7 @@ class Node:
     plan: tuple[str, ...] | None = None
     cost: int | None = None
     hopeless: bool = False
-    lesson: Lesson | None = None
+    lesson: Try | None = None
     first: bool = False
 
 
@@ -128,14 +128,8 @@ class SupersetWalk:
 
     def search_input(self, node: Node) -> SearchInput:
         """Return what matters of the node's task."""
-        goal_task = self._goal_tasks[node.goal]
-        task, state = goal_task.from_any(node.state)
-
-        def thorough() -> SearchInput:
-            task, state = goal_task.from_here(node.state)
-            return SearchInput(task.text(state), PLAIN)
-
-        return SearchInput(task.text(state), PLAIN, thorough)
+        task, state = self._goal_tasks[node.goal].from_any(node.state)
+        return SearchInput(task.text(state), PLAIN)
 
     def checked(self, node: Node, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the actions if they reach the goal, None otherwise."""

@@ -8,7 +8,7 @@ from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, 
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.replay import reaches_goal
-from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN, Lesson
+from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN, Try
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 
 
@@ -18,7 +18,7 @@ class Single:
 
     members: list[Belief]
     hopeless: bool = False
-    lesson: Lesson | None = None
+    lesson: Try | None = None
     parents: tuple['Single', ...] = ()
     translation: translator.Translation | None = None
 
