@@ -4,9 +4,10 @@ Run `MIRROR_EXPLAINER_IPC=FOLDER scripts/benchmark ipc [NAME …]`. The folder h
 folders, `NAME/domain.pddl` and `NAME/problem.pddl`. Each is read; planners look for a plan of
 the robot, each for `--seconds` of their own processor time: LAMA's first search and an eager one
 of Fast Downward on the texts that the reader makes for planners, and LPG, if `pip install up-lpg`
-brought it, on the texts as they are, of which it keeps time and numbers. The listener, who thinks
-that the robot may want any part of its goal, is told two steps of the first plan that is one:
-at once, and again after `--planning` seconds of planning for what they may believe.
+brought it, on the texts as they are, of which it keeps time and numbers. Where all soft goals can
+be reached together, that is planned for, so that there is something to explain. The listener, who
+thinks that the robot may want any part of its goal, is told two steps of the first plan that is
+one: at once, and again after `--planning` seconds of planning for what they may believe.
 """
 
 import argparse
@@ -51,7 +52,7 @@ WRONG_USAGE = 33  # the exit status of a search that does not understand what it
 
 FILES = ('domain.pddl', 'problem.pddl')
 STAGES = ('read', 'planned', 'answered')
-Texts = Sequence[str]
+Texts = tuple[str, str]
 
 
 @dataclass
@@ -98,24 +99,25 @@ def main() -> int:
 
 def _row(folder: Path, seconds: float, planning: float, planner: Planner) -> Row:
     row = Row(folder.name)
-    texts = [read_text(str(folder / f'{kind}.pddl')) for kind in ('domain', 'problem')]
+    domain, problem = (read_text(str(folder / file)) for file in FILES)
     forget_expressions()
     started = time.process_time()
     try:
-        task = read_task(*texts)
+        task = read_task(domain, problem)
     except InputError as error:
         row.warnings = f'refused: {error}'
         return row
     row.read = f'{time.process_time() - started:.2f}'
     row.warnings = '; '.join(warning.split('; a belief')[0] for warning in task.warnings)
     row.reached.add('read')
-    plan = _plan(task, texts, seconds, row)
+    wanted = read_task(domain, hardened(problem))
+    plan = _plan(task, wanted, (domain, problem), seconds, row)
     if plan is None:
         return row
     settings = PlanningSettings(deadline=planning)
     started = time.process_time()
     try:
-        preparation = prepare(task, plan, UserModel(_goals(task)), settings)
+        preparation = prepare(task, plan, UserModel(_goals(wanted)), settings)
         row.said = explain(preparation, Question(n=2)).spoken.replace('\n', ' ')
     except InputError as error:
         row.said = f'no answer: {error}'
@@ -132,11 +134,19 @@ def _row(folder: Path, seconds: float, planning: float, planner: Planner) -> Row
     return row
 
 
-def _plan(task: Task, texts: Texts, seconds: float, row: Row) -> RobotPlan | None:
+def hardened(problem: str) -> str:
+    """Return a problem whose soft goals are hard."""
+    return re.sub(r'\(\s*preference\b(\s+[^\s()]+)?', '(and', problem, flags=re.IGNORECASE)
+
+
+def _plan(task: Task, wanted: Task, texts: Texts, seconds: float, row: Row) -> RobotPlan | None:
     """Return a plan of the task, None if none was found in time; the row says which."""
     tried: list[str] = []
-    for planner in (lpg, downward) if task.timed else (downward, lpg):
-        plan = planner(texts if planner is lpg else (task.domain, task.problem), seconds)
+    kept = dict.fromkeys((one.domain, one.problem) for one in (wanted, task))
+    tries = [(downward, each) for each in kept]
+    tries.insert(0 if task.timed or wanted.relaxed else 1, (lpg, texts))
+    for planner, given in tries:
+        plan = planner(given, seconds)
         if plan is None:
             continue
         try:
