@@ -18,7 +18,7 @@ from mirror_explainer.pddl.numbers.arithmetic import (
     decimal,
     used_variables,
 )
-from mirror_explainer.pddl.text.actions import Action, Effect, effects
+from mirror_explainer.pddl.text.actions import Action, Effect, Parts, effects
 from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
 from mirror_explainer.pddl.text.left_out import CHANGING_DURATIONS, METRIC, LeftOut
@@ -51,28 +51,20 @@ class _NoSumError(Exception):
     """The metric is no sum of what actions cost."""
 
 
-@dataclass(frozen=True)
-class Priced:
-    """A task whose metric, if there is one, is to minimise the total cost or time."""
-
-    domain: Definition
-    problem: Definition
-    actions: tuple[Action, ...]
-
-
 def with_costs(
     domain: Definition,
     problem: Definition,
     actions: Sequence[Action],
     numbers: Numbers,
     left_out: LeftOut,
-) -> Priced:
-    """Return the task with its metric as costs of actions.
+) -> Parts:
+    """Return the task with its metric, if there is one, as costs of actions.
 
-    Without a metric, or with one that is left out, there are no costs.
+    It is then to minimise the total cost or time. Without a metric, or with one that is left
+    out, there are no costs.
     """
     metric = problem.section(':metric')
-    unpriced = Priced(
+    unpriced = Parts(
         _without_total(domain, ':functions'),
         _without_total(problem.without(':metric'), ':init'),
         tuple(_without_changes(action, {TOTAL_COST}, domain.source) for action in actions),
@@ -87,7 +79,7 @@ def with_costs(
                 unpriced.actions
             )
         if len(metric) != 3 or metric[1] not in ('minimize', 'maximize'):
-            return Priced(domain, problem, tuple(actions))  # its reader says what is wrong
+            return Parts(domain, problem, tuple(actions))  # its reader says what is wrong
         terms = _terms(metric[2], Fraction(1 if metric[1] == 'minimize' else -1), numbers)
         if not durative:
             terms.pop((TOTAL_TIME,), None)
@@ -95,7 +87,7 @@ def with_costs(
             return unpriced
         if terms == {(TOTAL_COST,): 1} and _is_plain(domain, actions, numbers):
             least = made(f'(:metric minimize ({TOTAL_COST}))', metric)
-            return Priced(domain, problem.having(':metric', least), tuple(actions))
+            return Parts(domain, problem.having(':metric', least), tuple(actions))
         return _Pricing(domain, problem, numbers, terms, left_out).priced(actions)
     except (_NoSumError, TooManyError):
         left_out.note(METRIC, problem.source, metric)
@@ -184,7 +176,7 @@ class _Pricing:
         self._tables: dict[str, _Table] = {}
         self._digits = 0
 
-    def priced(self, actions: Sequence[Action]) -> Priced:
+    def priced(self, actions: Sequence[Action]) -> Parts:
         """Return the task with costs. Raises _NoSumError, TooManyError and InputError."""
         tables = [self._table(action) for action in actions]
         most = max((v for table in tables for v in table.values.values()), default=Fraction(0))
@@ -196,7 +188,7 @@ class _Pricing:
             )
             for action, table in zip(actions, tables, strict=True)
         ]
-        return Priced(self._with_functions(), self._with_values(), tuple(kept))
+        return Parts(self._with_functions(), self._with_values(), tuple(kept))
 
     def _cost(self, action: Action, table: '_Table') -> str:
         """Return the PDDL text of what an action costs, '' for nothing."""

@@ -5,7 +5,7 @@ left out: conditions on them count as true.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from mirror_explainer.pddl.model import TOTAL_COST, duration_bounds
 from mirror_explainer.pddl.numbers.arithmetic import (
@@ -18,6 +18,7 @@ from mirror_explainer.pddl.numbers.costs import with_effects
 from mirror_explainer.pddl.text.actions import (
     Action,
     Effect,
+    Parts,
     effects,
     timed_conditions,
     variables_of,
@@ -31,15 +32,6 @@ from mirror_explainer.pddl.text.tree import Branch, Tree, Word, has_word, made, 
 _FACT = 'numbers-fit'
 
 
-@dataclass(frozen=True)
-class Plannable:
-    """Definitions and actions in which only costs, and durations, are numbers."""
-
-    domain: Definition
-    problem: Definition
-    actions: tuple[Action, ...]
-
-
 def without_numbers(
     domain: Definition,
     problem: Definition,
@@ -48,14 +40,14 @@ def without_numbers(
     left_out: LeftOut,
     only: Iterable[str] | None = None,
     kind: str = NUMBERS,
-) -> Plannable:
+) -> Parts:
     """Return the task without conditions on numbers, and without effects on them.
 
     With `only`, just these functions are left out, and nothing else changes. What was left out
     is noted as of this `kind`.
     """
     if not numbers.declared.functions:
-        return Plannable(domain, problem, tuple(actions))
+        return Parts(domain, problem, tuple(actions))
     folder = _Folder(domain, problem, numbers, left_out, only, kind)
     return folder.folded(actions)
 
@@ -82,8 +74,7 @@ class _Folder:
         self._facts: list[Tree] = []
         self._names: dict[tuple[str, tuple[Kinds, ...]], str] = {}
 
-    def folded(self, actions: Sequence[Action]) -> Plannable:
-        source = self._domain.source
+    def folded(self, actions: Sequence[Action]) -> Parts:
         kept = tuple(self._action(action) for action in actions)
         derived = [
             section.like([*section[:2], self._derived(section), *section[3:]])
@@ -105,8 +96,7 @@ class _Folder:
             problem = problem.with_contents(':init', [*problem.contents(':init'), *self._facts])
         if self._only is None:
             domain, problem = self._without_idle(domain, problem, kept)
-        assert source == domain.source
-        return Plannable(domain, problem, kept)
+        return Parts(domain, problem, kept)
 
     def _without_idle(
         self, domain: Definition, problem: Definition, actions: Sequence[Action]

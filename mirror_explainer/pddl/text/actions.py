@@ -69,6 +69,15 @@ class Effect:
         return tree
 
 
+@dataclass(frozen=True)
+class Parts:
+    """A task taken apart: its definitions, and the actions that count instead of the domain's."""
+
+    domain: Definition
+    problem: Definition
+    actions: tuple[Action, ...]
+
+
 def variables_of(parts: Sequence[Tree]) -> dict[str, Kinds]:
     """Return the variables of "?a ?b - type"; the faults in it are found elsewhere."""
     try:
