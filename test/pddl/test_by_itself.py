@@ -1,5 +1,8 @@
 """What changes by itself, with no step of the robot: its plan may wait for it."""
 
+import pytest
+
+from mirror_explainer.errors import InputError
 from mirror_explainer.explainer import robot_plan
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.task_reader import TaskReader
@@ -41,6 +44,21 @@ def test_a_plan_may_wait_for_what_comes_true_by_itself() -> None:
     assert facts(task, 'open', 'late') == {'(open bakery)', '(open school)', '(late)'}
     (warning,) = [w for w in task.warnings if 'by itself' in w]
     assert warning.startswith('problem, line 4: what comes true by itself at a time')
+
+
+def test_a_slip_in_what_comes_true_by_itself_is_told_with_its_line() -> None:
+    with pytest.raises(InputError, match='problem, line 4: the problem has no object "schol"'):
+        read_task(DOMAIN, PROBLEM.replace('(open school)', '(open schol)'))
+
+
+def test_events_make_true_what_their_variables_may_stand_for() -> None:
+    event = '(:event dawn :parameters (?p - place) :effect (open ?p)) (:durative-action go'
+    domain = DOMAIN.replace('(:durative-action go', event)
+
+    task = read_task(domain, PROBLEM.replace('(at 8 (open school))', ''))
+
+    assert facts(task, 'open') == {'(open office)', '(open bakery)', '(open school)'}
+    assert len(robot_plan(task, PLAN).plan.actions) == 4
 
 
 def test_what_is_wanted_false_somewhere_is_not_taken_as_true() -> None:

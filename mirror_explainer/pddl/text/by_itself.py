@@ -35,7 +35,7 @@ def facts_to_come(
         if predicate is None or change.head in wanted_false:
             continue
         facts = [tuple(map(str, words(change)))]
-        if any(name not in declared.objects for name in facts[0][1:]):
+        if any(name.startswith('?') for name in facts[0]):
             extents = [declared.extent(kinds) for _, kinds in predicate.parameters]
             if math.prod(map(len, extents)) > _MOST_FACTS:
                 continue
