@@ -10,6 +10,7 @@ import argparse
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -107,6 +108,7 @@ def main() -> int:
     parser.add_argument('--cases', type=int, default=100_000)
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
+    warnings.simplefilter('ignore')  # of unified-planning's reader
     return int(not fuzz(options.kind, options.cases, options.seed))
 
 
