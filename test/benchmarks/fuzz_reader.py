@@ -7,6 +7,7 @@ processor time.
 """
 
 import argparse
+import gc
 import sys
 import tempfile
 import time
@@ -84,6 +85,9 @@ def fuzz(kind: str, cases: int, number: int) -> bool:
     )
     @given(texts=strategy)
     def run(texts: tuple[str, ...]) -> None:
+        if watch.cases % 200 == 0:  # what Hypothesis keeps is no garbage that a reader makes
+            gc.collect()
+            gc.freeze()
         try:
             watch.over('\n'.join(texts), lambda: read(*texts))
         except Exception as error:  # whatever comes of a text is to be told, and the next read
