@@ -97,7 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         'further',
         'Find all optimal plans, beside K*.',
         command,
-        f'{command} --only kitchen --goals 1',
+        f'{command} --only map --goals 1',
     )
     parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
     parser.add_argument('--only', default='', help='only what has this in its name')
