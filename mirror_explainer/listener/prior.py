@@ -82,7 +82,8 @@ def belief_prior(
 ) -> Prior:
     """Enumerate the beliefs of a user model from the most probable down.
 
-    At most `max_beliefs` are taken, and b_R always is one of them.
+    At most `max_beliefs` are taken, and b_R always is one of them. Of beliefs that are equally
+    probable all are taken or none, if about half of the limit is used without them.
     """
     candidates, robot_goal, warnings = _distinct_goals(task, user_model)
     goals = tuple(goal for goal, _ in candidates)
@@ -107,7 +108,7 @@ def belief_prior(
         ]
     taken = {
         _belief(outcomes): scale * probability
-        for outcomes, probability in islice(
+        for outcomes, probability in _cut_off(
             _most_probable_first([factor.probability for factor in factors]), max_beliefs
         )
     }
@@ -240,6 +241,23 @@ def _belief(outcomes: Sequence[Hashable]) -> Belief:
     goal, *facts = outcomes
     assert isinstance(goal, int)
     return Belief(goal, frozenset().union(*facts))  # type: ignore[arg-type]
+
+
+def _cut_off(
+    outcomes: Iterator[tuple[list[Hashable], float]], most: int
+) -> list[tuple[list[Hashable], float]]:
+    """Return the most probable joint outcomes, and none that is as probable as one left out.
+
+    For whoever is planned for by chance would be told of rather than its equals. Where that
+    would leave out the most of them, equals are parted after all.
+    """
+    taken = list(islice(outcomes, most))
+    left_out = next(outcomes, None)
+    if left_out is None:
+        return taken
+    least = left_out[1] * (1.0 + 1e-9)
+    unlike = [outcome for outcome in taken if outcome[1] > least]
+    return unlike if len(unlike) > most / 2 else taken
 
 
 def _most_probable_first(

@@ -41,10 +41,10 @@ def _goals(candidates: Sequence[Candidate]) -> str:
             where = candidate.pattern.where
             entry['where'] = where[0] if len(where) == 1 else f'(and {" ".join(where)})'
         entry['probability'] = round(candidate.weight, 3)
-        note = '' if candidate.taken else ', too many beside the others: choose'
+        note = f' ({candidate.left_out})' if candidate.left_out else ''
         count = 'one goal' if candidate.count == 1 else f'{candidate.count} goals'
         lines.append(f'  # {candidate.why}: {count}{note}')
-        mark = '  - ' if candidate.taken else '  # - '
+        mark = '  # - ' if candidate.left_out else '  - '
         lines.append(mark + _flow(entry))
     return '\n'.join(lines) + '\n'
 

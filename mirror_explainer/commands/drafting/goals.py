@@ -1,6 +1,6 @@
 """Candidate goals: the robot's own and those seen, and what is like them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from mirror_explainer.commands.drafting.patterns import Pattern, World
@@ -9,20 +9,21 @@ from mirror_explainer.commands.drafting.patterns import Pattern, World
 MOST_CANDIDATES = 600
 # How much is expected of goals of nearly the same form, beside those of the same.
 _NEARLY = 0.3
+_PART = 'with a part less'
 
 
 @dataclass(frozen=True)
 class Candidate:
     """A pattern, how often goals of this form are expected, and how many it stands for.
 
-    `why` says where it comes from; what is not `taken` is one too many.
+    `why` says where it comes from, `left_out` why it is only proposed, '' if it is taken.
     """
 
     pattern: Pattern
     weight: float
     count: int
     why: str
-    taken: bool = True
+    left_out: str = ''
 
 
 def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> list[Candidate]:
@@ -47,10 +48,10 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
         _add(world, found, world.like(parts), why, weight=1.0, first=1.0)
     for parts in often:
         for fewer in _without_one(parts):
-            _add(world, found, world.like(fewer), 'with a part less', _NEARLY / len(parts))
+            _add(world, found, world.like(fewer), _PART, _NEARLY / len(parts))
     for parts in often:
         _add(world, found, world.with_one_twice(parts), 'with one object for two', _NEARLY)
-    return list(_bounded(world, found))
+    return list(_bounded(world, found, frozenset([_PART]) if seen else frozenset()))
 
 
 def _add(
@@ -89,14 +90,25 @@ def _stands_for(world: World, wider: Pattern, narrower: Pattern) -> bool:
     return goals >= others
 
 
-def _bounded(world: World, found: Mapping[Pattern, tuple[float, str]]) -> Iterator[Candidate]:
-    """Yield the candidates, those taken as long as they are not too many together."""
+def _bounded(
+    world: World, found: Mapping[Pattern, tuple[float, str]], needless: Set[str]
+) -> Iterator[Candidate]:
+    """Yield the candidates, those taken as long as they are not too many together.
+
+    Where it is known what the robot does, goals with a part less are `needless`: a listener
+    allows for them without being told, and for each as much.
+    """
     total = 0
     for pattern, (weight, why) in found.items():
         count = world.count(pattern)
-        taken = not total or total + count <= MOST_CANDIDATES
-        total += count * taken
-        yield Candidate(pattern, weight, count, why, taken)
+        left_out = ''
+        if why in needless:
+            left_out = 'a listener allows for that anyway; take in what it does'
+        elif total and total + count > MOST_CANDIDATES:
+            left_out = 'too many beside the others; choose'
+        else:
+            total += count
+        yield Candidate(pattern, weight, count, why, left_out)
 
 
 def _head(part: str) -> str:
