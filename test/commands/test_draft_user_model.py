@@ -88,15 +88,18 @@ def test_the_robots_plan_is_made_where_none_is_given_and_each_action_gets_a_sent
 def test_goals_seen_come_by_their_frequency(park, tmp_path):
     seen = tmp_path / 'seen.yaml'
     seen.write_text('goals_seen:\n  (watered lilies): 7\n')
-    _, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
+    text, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
     weights = {entry['goal']: entry['probability'] for entry in model['goals']}
     assert weights['(watered lilies)'] == 7.0
     assert weights['(and (watered roses) (emptied red_bin))'] == 1.0
     # Two different goals of two forms: as much is new in each form as one goal, and one
-    # more for the form itself. The single bed has a part less than the robot's own goal: 0.3
-    # for that, half of which leaves out the bin.
+    # more for the form itself. A bed alone has a part less than the robot's own goal: half of
+    # 0.3 for that, since it might be the other part as well.
     assert weights['(and (watered {bed}) (emptied {bin}))'] == 2.0
     assert weights['(watered {bed})'] == pytest.approx(2.15)
+    # What nobody saw, a bin alone, is a comment.
+    assert '(emptied {bin})' not in weights
+    assert "  # - {goal: '(emptied {bin})'" in text
 
 
 def test_a_goal_seen_in_another_problem_is_left_out_with_a_warning(park, tmp_path, capsys):

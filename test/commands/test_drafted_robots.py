@@ -14,7 +14,7 @@ ROBOTS = Path(__file__).parent / 'drafted_robots'
 # The names of two goals that each robot was seen to have, beside the one that it has now.
 SEEN = {
     'kitchen': ('pancake by the window', 'salad outside'),
-    'laboratory': ('sample a for iron and glucose', 'sample c for lipids'),
+    'laboratory': ('sample c for lipids', 'sample a to the archive'),
     'windfarm': ('turbine 1 in colour', 'only the wind'),
 }
 
