@@ -1,6 +1,6 @@
 """What a means should weigh in an unforeseen way: its share in the foreseen ones, or 1.
 
-    python test/benchmarks/means_in_unforeseen_ways.py DIR [INSTANCES]
+    scripts/benchmark means_in_unforeseen_ways DIR [INSTANCES]
 
 DIR has the PUCRS data set; so many instances a domain are taken (default 2). Prints, for both
 weights, the mean understanding of both listeners as speakers with one plan a belief, judged
