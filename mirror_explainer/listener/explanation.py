@@ -2,9 +2,9 @@
 
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from html import escape
 from typing import Any
 
+from mirror_explainer.listener.explanation_formats import as_html, hypothesis_rows
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.listener.sentences import Sentences
@@ -12,10 +12,7 @@ from mirror_explainer.listener.speech import reached, spoken, stuck
 from mirror_explainer.pddl.progress import StepStatus
 from mirror_explainer.pddl.situation import FIRST
 from mirror_explainer.selection.baselines import ORDERS
-from mirror_explainer.selection.choice import (
-    Selection,
-    baseline,
-)
+from mirror_explainer.selection.choice import Selection, baseline
 from mirror_explainer.settings import Question
 
 # The keys of an explanation as JSON, each also an attribute.
@@ -266,25 +263,7 @@ class Explanation:
     @property
     def hypotheses(self) -> list[dict[str, Any]]:
         """Each foreseen way, and each unforeseen one; their probabilities sum to 1."""
-        model = self.model
-        told = []
-        for index, hypothesis in enumerate(model.hypotheses):
-            aim, plan = hypothesis.aim, hypothesis.plan
-            name: str | None = model.goals[hypothesis.goal].name
-            row: dict[str, Any] = {
-                'goal': None if hypothesis.of_part else name,
-                'true_facts': None,
-                'plan': list(plan.actions) if plan else None,
-                'cost': plan.cost if plan else None,
-                'probability': hypothesis.probability,
-                'robot': index == model.robot,
-            }
-            if hypothesis.belief is not None:
-                row['true_facts'] = [f for f in model.facts if f in hypothesis.belief.true_facts]
-            if aim is not None:
-                row |= {'parts': [str(part) for part in aim.parts], 'ends': aim.positions}
-            told.append(row)
-        return told
+        return [*hypothesis_rows(self.model)]
 
     def as_dict(self, hypotheses: bool = True) -> dict[str, Any]:
         """Return the explanation as plain values, ready for JSON."""
@@ -308,11 +287,4 @@ class Explanation:
         )
 
     def _repr_html_(self) -> str:
-        said = '<br>'.join(escape(line) for line in self.spoken.split('\n'))
-        rows = ''.join(
-            f'<tr><td>{escape(goal["name"] or "a part of these")}</td>'
-            f'<td>{goal["prior"]:.0%}</td><td>{goal["posterior"]:.0%}</td></tr>'
-            for goal in sorted(self.goals, key=lambda goal: -goal['posterior'])[:6]
-        )
-        head = '<tr><th>goal</th><th>before</th><th>after</th></tr>'
-        return f'<blockquote>{said}</blockquote><table>{head}{rows}</table>'
+        return as_html(self.spoken, self.goals)
