@@ -270,7 +270,8 @@ def test_what_the_table_says_is_refused(row: str, example: tuple[dict[str, str],
 
 
 def test_every_row_of_the_table_has_an_example_that_agrees_with_it() -> None:
-    rows = re.findall(r'^\| (.+?) \| (.+?) \|$', DOCS.read_text(), re.MULTILINE)[1:]
+    table = DOCS.read_text().split('\n## ')[0]
+    rows = re.findall(r'^\| (.+?) \| (.+?) \|$', table, re.MULTILINE)[1:]
     examples = [*ROWS, *TIMED_ROWS, *REFUSED]
     assert len(rows) == len(examples)
     for what, how in rows:
