@@ -8,6 +8,10 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+# Our matrices are small: numpy's own threads only wait for one another. numpy reads this when it
+# is imported.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+
 from mirror_explainer.commands.in_words import in_words
 from mirror_explainer.commands.offline import (
     add_file_arguments,
