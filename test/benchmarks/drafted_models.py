@@ -3,10 +3,11 @@
     python test/benchmarks/drafted_models.py FOLDER …
 
 A folder has `domain.pddl`, `problem.pddl`, `plan.txt`, and a `user.yaml` by hand, such as those in
-test/commands/drafted_robots. Prints for each robot, over all pairs: how many drafts have all
-goals by hand; how many facts and groups of facts are found and proposed, at worst; how many
-name the same ends with at most 1, 2 and 3 sentences; and how many tell the listener by hand as
-much, but for what that one takes for a filler (its `min_gain`). With -v each pair that differs.
+test/commands/drafted_robots. Prints for each robot, over all pairs: how many drafts take all
+goals by hand, and how many propose them, in comments as well; how many facts and groups of facts
+are found and proposed, at worst; how many name the same ends with at most 1, 2 and 3 sentences;
+and how many tell the listener by hand as much, but for what that one takes for a filler (its
+`min_gain`). With -v each pair that differs.
 """
 
 import contextlib
@@ -43,7 +44,7 @@ def main(folders: list[str], verbose: bool) -> None:
                 if verbose:
                     tell(robot, [goal.name for goal in pair], drafts[-1])
             rows.append(row(robot, drafts))
-    headers = ['robot', 'pairs', 'all goals', 'facts found', 'proposed']
+    headers = ['robot', 'pairs', 'goals taken', 'goals proposed', 'facts found', 'proposed']
     headers += [f'same ends, {n}' for n in (1, 2, 3)] + [f'as much, {n}' for n in (1, 2, 3)]
     print(markdown_table(pd.DataFrame(rows, columns=headers)))
 
@@ -64,6 +65,7 @@ def row(robot: Robot, drafts: list[Drafted]) -> list[object]:
         robot.folder.name,
         len(drafts),
         sum(not draft.missing for draft in drafts),
+        sum(not draft.unproposed for draft in drafts),
         f'{min(draft.found for draft in drafts)} of {by_hand}',
         max(draft.proposed for draft in drafts),
         *counts,

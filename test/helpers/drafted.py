@@ -25,12 +25,14 @@ NUMBERS = (1, 2, 3)  # of sentences
 class Drafted:
     """What a draft has of the model by hand.
 
-    `missing` are the names of goals that it lacks. Of the `by_hand` facts and groups of facts
+    `missing` are the names of goals that it lacks, `unproposed` of those that are in no comment,
+    either. Of the `by_hand` facts and groups of facts
     it `found` some, and `proposed` so many, those in comments included. `answers` are the plan
     positions that the robot tells of with at most 1, 2 and 3 sentences.
     """
 
     missing: tuple[str, ...]
+    unproposed: tuple[str, ...]
     by_hand: int
     found: int
     proposed: int
@@ -78,7 +80,8 @@ class Robot:
             options += [f'--{name}', str(self.folder / text)]
         assert main([*options, '--plan', str(self.folder / 'plan.txt')]) == 0
         user_model = read_user_model(file, self.task)
-        goals = {self._meaning(goal) for goal in user_model.goals}
+        all_taken = file.read_text().replace('\n  # - {goal:', '\n  - {goal:')
+        proposed = read_user_model(file, self.task, read=lambda _: all_taken)
         # Groups are comments, for a person to choose from.
         groups = [
             set(yaml.safe_load(group)['facts'])
@@ -89,7 +92,8 @@ class Robot:
         ]
         found = [group for group in self.by_hand.one_of if any(set(group) <= g for g in groups)]
         return Drafted(
-            tuple(goal.name for goal in self.by_hand.goals if self._meaning(goal) not in goals),
+            self._missing(user_model),
+            self._missing(proposed),
             len(self.by_hand.uncertain_facts) + len(self.by_hand.one_of),
             len(facts) + len(found),
             len(user_model.uncertain_facts) + len(groups),
@@ -105,6 +109,11 @@ class Robot:
         """Return how many nats less a draft's answer tells the listener that is by hand."""
         gain = self.model.information_gain
         return gain(sorted(by_hand)) - gain(sorted(drafted))
+
+    def _missing(self, user_model: UserModel) -> tuple[str, ...]:
+        """Return the names of the goals by hand that a draft does not have."""
+        goals = {self._meaning(goal) for goal in user_model.goals}
+        return tuple(goal.name for goal in self.by_hand.goals if self._meaning(goal) not in goals)
 
     def _answers(self, user_model: UserModel) -> tuple[frozenset[int], ...]:
         done = prepared(self.task, self._read('plan.txt'), user_model, self.planner)
