@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
 from faults import FaultTable, answered_without
+from patience import eventually
 from ros_peer import THREE_SENTENCES, Peer, Process, explainer, last_diagnostic
 
 pytestmark = pytest.mark.usefixtures('ros')
@@ -80,7 +81,7 @@ def test_a_disk_that_fills_up_keeps_nobody_from_an_answer(
         kill_planning_processes(node)
         peer.publish_warehouse('another')
         answer = peer.answer()
-        warnings = last_diagnostic(peer)['warnings']
+        warnings = eventually(lambda: last_diagnostic(peer).get('warnings'), 'the warning')
         still_counted = seen.read_text()
     fault_table.add('disk full: temporary files, log', 'the answer', 'OK', None)
 
