@@ -193,7 +193,7 @@ class Expressions:
         """Return the variables of "(?a ?b - type …)" by name, question mark included."""
         bound: dict[str, up.Variable] = {}
         try:
-            names = [*typed_names(words, '')]
+            names = typed_names(words, '')
         except InputError as error:
             self._faults.append(_Fault(error.reason, error.line))
             return bound

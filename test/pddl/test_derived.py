@@ -285,8 +285,8 @@ FAULTS = {
         'domain, line 10: (:derived …) takes a predicate with its variables, and one condition'),
     'nested too deeply': ('(not (reachable Dock))', '(not ' * 200 + '(held cup)' + ')' * 200,
         'domain, line 10: the text is nested too deeply: more than 40 parentheses in each other'),
-    'its own negation': ('(robot-at ?r) (exists', '(not (stuck)) (exists', 'domain: derived '
-        'predicates depend on their own negation, or on (forall …) about themselves: '
+    'its own negation': ('(robot-at ?r) (exists', '(not (stuck)) (exists', 'domain, line 8: '
+        'derived predicates depend on their own negation, or on (forall …) about themselves: '
         '"reachable", "stuck"'),
     'an effect': (':effect (and (held ?i)', ':effect (and (stuck)', 'domain, line 11: '
         '"stuck" is derived, but the action "grab" changes it'),

@@ -109,7 +109,19 @@ DOMAIN_FAULTS = {
     'unknown variable': (DOMAIN.replace('(lit ?l)))', '(lit ?x)))'), 'domain, line 9: '),
     'unknown section': (DOMAIN.replace(':precondition', ':precond'), 'domain, line 8: '),
     'a parenthesis missing': (DOMAIN.rstrip()[:-1], 'domain, line '),
+    'a condition without its end': (
+        DOMAIN.replace('?l) (power))', '?l) (power)'),
+        'domain, line 8: "(and" is not closed before ":effect" begins on line 9',
+    ),
+    'an action without its end': (
+        DOMAIN.replace('(lit ?l)))', '(lit ?l)\n  (:action more :effect (power)))'),
+        'domain, line 6: "(:action" is not closed before "(:action" begins on line 10',
+    ),
     'a parenthesis too much': (DOMAIN + ')', 'domain, line 10: '),
+    'types in a circle': (
+        DOMAIN.replace('- thing switch - thing', '- switch switch - lamp'),
+        'domain, line 4: the types "lamp", "switch" are declared as subtypes of each other',
+    ),
     'an action twice': (
         DOMAIN.rstrip()[:-1] + '\n  (:action press :parameters () :effect (power)))',
         'domain, line 10: the action "press" is there twice, and not the same: on line 6 and on '
@@ -129,8 +141,8 @@ DOMAIN_FAULTS = {
     ),
     'parameters without their word': (
         DOMAIN.replace(':parameters ', ''),
-        'domain, line 7: "press" has no part "(?s - switch ?l - lamp)": it may have :parameters, '
-        ':precondition, :effect; is a parenthesis missing?',
+        'domain, line 7: "(?s - switch ?l - lamp)" of "press" has no keyword before it: it may be '
+        ':parameters, :precondition, :effect',
     ),
     'nested deeply': (DOMAIN.replace('(and (wi', '(and ' * 3000 + '(wi'), 'domain'),
 }
@@ -157,6 +169,10 @@ PROBLEM_FAULTS = {
     'unknown object in the goal': (
         PROBLEM.replace('l1', 'lamp1').replace('(lit lamp1)', '(lit lamb1)'),
         'problem, line 7: the problem has no object "lamb1" (did you mean "lamp1"?)',
+    ),
+    'an object without its type': (
+        PROBLEM.replace('- switch', '- s2 - switch'),
+        'problem, line 4: the type of s1, or a name after "s1 - s2", is missing',
     ),
     'unknown type': (
         PROBLEM.replace('- switch', '- swich'),
@@ -221,6 +237,13 @@ def test_a_bad_problem_is_refused_with_its_place(text: str, said: str) -> None:
     assert '\n' not in str(refused.value)
 
 
+def test_what_stands_before_a_definition_is_told_where_to_end() -> None:
+    with pytest.raises(InputError) as refused:
+        read_task('(in-package lamps)\n' + DOMAIN, PROBLEM)
+
+    assert refused.value.cure == 'Leave out what stands before the (define …) on line 3.'
+
+
 def test_errors_name_the_file_or_topic_that_the_text_came_from() -> None:
     with pytest.raises(InputError, match='^/robot/problem: the text is empty'):
         read_task(DOMAIN, '', 'lamps.pddl', '/robot/problem')
@@ -250,7 +273,7 @@ def test_axioms_in_an_old_form_are_refused_with_their_line() -> None:
     axiom = '  (:axiom :context (lit l1) :implies (power))\n  (:action'
 
     with pytest.raises(
-        InputError, match=r'^domain, line 6: it has axioms in an old form \(:axiom'
+        InputError, match=r'^domain, line 6: \(:axiom …\) is an old form of axioms'
     ):
         read_task(DOMAIN.replace('  (:action', axiom, 1), PROBLEM)
 

@@ -53,7 +53,7 @@ def test_another_state_is_read_as_if_all_were_read() -> None:
     [
         (('(near s)', '(nere s)'), r'problem, line 4: \(nere s\): the domain has no predicate'),
         (('(near s)', '\n(near t)'), 'problem, line 5: the problem has no object "t"'),
-        (('(near s)', '(near s'), 'problem, line 2: the text ends before'),
+        (('(near s)', '(near s'), r'problem, line 3: "\(:init" is not closed before'),
         (('(near s)', '(bright)'), 'problem, line 4: "bright" is derived'),
     ],
 )

@@ -202,7 +202,7 @@ TIMED_ROWS: dict[str, tuple[dict[str, str], float, str]] = {
 REFUSED = {
     'axioms in an old form': (
         {'(:action go': '(:axiom :context (full)) (:action go'},
-        'domain, line 7: it has axioms in an old form',
+        'domain, line 7: (:axiom …) is an old form of axioms; write (:derived ',
     ),
     'conditional effects that depend': (
         {'(at end (wet ?b))': '(when (at start (full)) (at end (wet ?b)))'},

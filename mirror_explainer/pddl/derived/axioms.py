@@ -58,11 +58,13 @@ def read_axioms(model: up.Problem, domain: Definition, problem: Definition) -> A
     try:
         layers(rules.rules)
     except UnstratifiedError as error:
-        negated = ', '.join(f'"{n}"' for n in error.predicates if not is_made_up(n))
+        negated = [name for name in error.predicates if not is_made_up(name)]
         raise InputError(
             source,
-            f'derived predicates depend on their own negation, or on (forall …) about '
-            f'themselves: {negated}',
+            'derived predicates depend on their own negation, or on (forall …) about themselves: '
+            + ', '.join(f'"{name}"' for name in negated),
+            next((axiom.line for axiom in domain.all(':derived') if axiom[1][0] in negated), None),
+            cure='Then nothing says when they hold: take these conditions out of (:derived …).',
         ) from error
     return Axioms(names, tuple(rules.rules), rules.facts(model), source)
 
@@ -106,12 +108,13 @@ def _require_derived_only(
     """Raise InputError if an action, or the initial state, sets a derived fact."""
     for action in model.actions:
         for effect in effects_in(action):
-            if effect.fluent.fluent().name in names:
+            name = effect.fluent.fluent().name
+            if name in names:
                 raise InputError(
                     domain.source,
-                    f'"{effect.fluent.fluent().name}" is derived, but the action '
-                    f'"{action.name}" changes it',
+                    f'"{name}" is derived, but the action "{action.name}" changes it',
                     _line_of(action.name, domain.all(':action', ':durative-action'), 1),
+                    cure=f'Leave ({name} …) out of its effect, or (:derived ({name} …) …) out.',
                 )
     for atom, value in model.explicit_initial_values.items():
         name = atom.fluent().name

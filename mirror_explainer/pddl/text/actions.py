@@ -117,6 +117,8 @@ def _action(section: Branch, source: str, types: Mapping[str, Kinds]) -> Action:
             known = ', '.join(_PARTS[keyword])
             reason = f'"{name}" has no part "{shown}"'
             reason += hint or f': it may have {known}; is a parenthesis missing?'
+            if isinstance(part, Branch) and not part.head.startswith(':'):
+                reason = f'"{shown}" of "{name}" has no keyword before it: it may be {known}'
             if part == ':vars':
                 reason = f'"{name}" has :vars, an old form; make them :parameters'
             raise InputError(source, reason, part.line)
@@ -159,8 +161,8 @@ def _effects(tree: Tree, source: str, around: Effect, durative: bool) -> Iterato
                 if phases - {effect.phase}:
                     raise InputError(
                         source,
-                        'this effect depends on what held at another time than its own: such '
-                        'an effect cannot be explained',
+                        'this effect depends on what held at another time than its own: that is '
+                        'PDDL, but not supported here',
                         tree.line,
                         cure='Say (at start …) of both condition and effect, or (at end …).',
                     )

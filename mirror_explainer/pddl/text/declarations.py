@@ -3,7 +3,7 @@
 Equal declarations count once. Raised is InputError with the line of what is wrong.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.errors import InputError, did_you_mean
@@ -112,14 +112,15 @@ def read_declarations(domain: Definition, problem: Definition) -> Declarations:
     )
 
 
-def typed_names(parts: Sequence[Tree], source: str) -> Iterator[tuple[Word, tuple[Word, ...]]]:
-    """Yield each name of "a b - type c - (either type type)" with its types; none is object."""
+def typed_names(parts: Sequence[Tree], source: str) -> list[tuple[Word, tuple[Word, ...]]]:
+    """Return each name of "a b - type c - (either type type)" with its types; none is object."""
+    found: list[tuple[Word, tuple[Word, ...]]] = []
     names: list[Word] = []
     rest = iter(parts)
     for part in rest:
         if isinstance(part, Word) and part[0] == '-' and len(part) > 1 and names:
             short = word(part[1:], part)  # "?x -type", with a blank forgotten
-            yield from ((name, (short,)) for name in names)
+            found += [(name, (short,)) for name in names]
             names = []
             continue
         if not isinstance(part, Word):
@@ -135,14 +136,15 @@ def typed_names(parts: Sequence[Tree], source: str) -> Iterator[tuple[Word, tupl
             continue
         kind = next(rest, None)
         if not names or kind is None or kind == '-':
-            missing = 'a name before' if not names else 'a type after'
-            raise InputError(source, f'{missing} this "-" is missing', part.line)
+            missing = 'a name before this "-"' if not names else 'a type after this "-"'
+            if not names and found:
+                name, kinds = found[-1]
+                missing = f'the type of {name}, or a name after "{name} - {kinds[-1]}",'
+            raise InputError(source, f'{missing} is missing', part.line)
         kinds = _kinds(kind, source)
-        for name in names:
-            yield name, kinds
+        found += [(name, kinds) for name in names]
         names = []
-    for name in names:
-        yield name, (word(OBJECT, name),)
+    return found + [(name, (word(OBJECT, name),)) for name in names]
 
 
 def typed_variables(
@@ -200,9 +202,12 @@ def _types(domain: Definition) -> dict[str, Kinds]:
     types = Declarations(found, {}, {}, {})
     for kind in found:
         if any(kind in types.above(above) for above in found[kind]):
+            circle = [f'"{k}"' for k in sorted(types.above(kind)) if kind in types.above(k)]
             raise InputError(
                 domain.source,
-                f'the type "{kind}" is declared as a subtype of itself',
+                f'the type {circle[0]} is declared as a subtype of itself'
+                if len(circle) == 1
+                else f'the types {", ".join(circle)} are declared as subtypes of each other',
                 places[kind].line if kind in places else None,
             )
     # Of the supertypes, those that are above others say nothing.
@@ -226,7 +231,8 @@ def _declared(domain: Definition, keyword: str, types: Mapping[str, Kinds]) -> d
                     source,
                     f'functions are read as numbers, not as "{as_text(kind or [])}"',
                     part.line,
-                    cure='Declare a predicate instead, with the value as its last argument.',
+                    cure='If it is a quantity, write "- number"; if it is an object, declare a '
+                    'predicate with that as its last argument.',
                 )
             continue
         if not isinstance(part, Branch) or not part.head:

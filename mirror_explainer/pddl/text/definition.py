@@ -57,13 +57,12 @@ _ORDER = {
     ),
 }
 _OLD_FORM = {
-    ':axiom': 'axioms in an old form (:axiom …); write (:derived …)',
-    ':safety': 'safety constraints in an old form (:safety …)',
-    ':scope': 'a form of an old language, (:scope …)',
+    ':axiom': 'axioms; write (:derived (predicate ?x - type) condition)',
+    ':safety': 'safety constraints; leave it out',
+    ':scope': 'a language before PDDL; leave it out',
 }
-_HEAD = re.compile(
-    r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\s*\(\s*(domain|problem)(?![^\s()])', re.IGNORECASE
-)
+_DEFINE = re.compile(r'\(\s*define\s*\(\s*(domain|problem)(?![^\s()])', re.IGNORECASE)
+_HEAD = re.compile(r'(?:\s|;[^\n]*(?:\n|$))*' + _DEFINE.pattern, re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -173,12 +172,12 @@ def require_head(text: str, kind: str, source: str, limits: InputLimits | None =
         )
     found = _HEAD.match(text)
     if found is None:
-        raise InputError(
-            source,
-            f'this is no PDDL {kind}: it must begin with (define ({kind} …)',
-            1,
-            cure=f'Give the text of the {kind} here, not the name of a file or another text.',
-        )
+        cure = f'Give the text of the {kind} here, not the name of a file or another text.'
+        if later := _DEFINE.search(text):
+            line = text.count('\n', 0, later.start()) + 1
+            cure = f'Leave out what stands before the (define …) on line {line}.'
+        reason = f'this is no PDDL {kind}: it must begin with (define ({kind} …)'
+        raise InputError(source, reason, 1, cure=cure)
     if found[1].lower() != kind:
         raise InputError(
             source,
@@ -196,7 +195,8 @@ def _keyword(part: Tree, kind: str, source: str) -> str:
     if isinstance(part, Branch) and keyword in _ORDER[kind]:
         return keyword
     if keyword in _OLD_FORM:
-        raise InputError(source, f'it has {_OLD_FORM[keyword]}', part.line)
+        reason = f'({keyword} …) is an old form of {_OLD_FORM[keyword]}'
+        raise InputError(source, reason, part.line)
     other = 'problem' if kind == 'domain' else 'domain'
     if keyword in _ORDER[other]:
         reason = f'"({keyword}" belongs into the {other}, but stands in the {kind}'
@@ -228,9 +228,12 @@ def _closed(typed: list[Tree]) -> list[Tree]:
 
 def unequal(what: str, one: Tree, other: Tree, source: str) -> InputError:
     """Return the error that a thing is declared in two ways."""
+    lines = f'on line {one.line} and on line {other.line}'
+    if one.line == other.line:
+        lines = 'both on this line'
     return InputError(
         source,
-        f'{what} is there twice, and not the same: on line {one.line} and on line {other.line}',
+        f'{what} is there twice, and not the same: {lines}',
         other.line,
         cure='Keep one of them.',
     )

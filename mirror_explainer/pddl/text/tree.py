@@ -84,7 +84,10 @@ def parse(text: str, source: str, stop: Callable[[], None] | None = None) -> lis
         elif token == ')':
             if not open_branches:
                 raise InputError(
-                    source, 'there is a closing parenthesis here too many', line, cure=_BALANCE
+                    source,
+                    'there is a closing parenthesis here too many',
+                    line,
+                    cure='See whether the parentheses before it match.',
                 )
             open_branches.pop()
             parts = open_branches[-1] if open_branches else found
@@ -95,27 +98,41 @@ def parse(text: str, source: str, stop: Callable[[], None] | None = None) -> lis
         if stop and count % 10_000 == 0:
             stop()
     if open_branches:
-        raise _unclosed(open_branches, source)
+        raise _unclosed(open_branches[0], open_branches[-1], source)
     return found
 
 
 _BALANCE = 'See whether the text was cut off, and its parentheses match.'
 
 
-def _unclosed(open_branches: list[Branch], source: str) -> InputError:
-    """Say which parenthesis has no match: the section, where the next one stands inside it."""
-    for outer, inner in zip(open_branches, open_branches[1:], strict=False):
-        if len(open_branches) > 2 and inner.head.startswith(':') and outer is not open_branches[0]:
-            return InputError(
-                source,
-                f'"({outer.head}" is not closed before "({inner.head}" begins on line '
-                f'{inner.line}',
-                outer.line,
-                cure=_BALANCE,
-            )
-    last = open_branches[-1]
+def _unclosed(whole: Branch, last: Branch, source: str) -> InputError:
+    """Say which parenthesis has no match: the one in which a keyword stands that cannot.
+
+    `whole` and `last` are the first and the last that are still open at the end of the text.
+    """
+    swallowed = [
+        (part, outer)
+        for outer in branches(whole)
+        for part in outer[1:]
+        if outer is not whole and _is_keyword(part, outer)
+    ]
+    if swallowed:
+        part, outer = min(swallowed, key=lambda pair: (pair[0].line, pair[0].column))
+        shown = f'({part.head}' if isinstance(part, Branch) else part
+        return InputError(
+            source,
+            f'"({outer.head}" is not closed before "{shown}" begins on line {part.line}',
+            outer.line,
+        )
     shown = f'"({last.head}"' if last.head else 'a parenthesis'
     return InputError(source, f'the text ends before {shown} is closed', last.line, cure=_BALANCE)
+
+
+def _is_keyword(part: Tree, outer: Branch) -> bool:
+    """Say whether a section begins here, or a part of one outside of every section."""
+    if isinstance(part, Branch):
+        return part.head.startswith(':')
+    return part.startswith(':') and not outer.head.startswith(':')
 
 
 def expression(text: str, source: str) -> Tree:
@@ -144,7 +161,10 @@ def require_name(name: Word, source: str) -> None:
     """Raise InputError for a name that no text of ours could hold safely, or at all."""
     if not _NAME.fullmatch(name):
         reason = f'"{name[:80]}" is no name: one begins with a letter, digit or _, and may have '
-        raise InputError(source, f'{reason}- . # @ / + after that', name.line)
+        reason += '- . # @ / + after that'
+        if name[0] in '"\'':
+            reason = f'{name[:80]} is no name: leave the quotes out'
+        raise InputError(source, reason, name.line)
 
 
 def words(tree: Tree) -> Iterator[Word]:
