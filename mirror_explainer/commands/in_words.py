@@ -16,9 +16,10 @@ def _taken_for(explanation: Explanation) -> str:
     true = explanation.true_goal
     before, after = explanation.understanding_before, explanation.understanding
     likeliest = max(explanation.goals[:-1], key=lambda goal: goal['posterior'])
-    alike = sum(g['posterior'] > 0.99 * after for g in explanation.goals[:-1]) - 1
+    named = (goal for goal in explanation.goals[:-1] if goal['name'] != true)
+    alike = [f'"{goal["name"]}"' for goal in named if goal['posterior'] > 0.99 * after]
     if alike and likeliest['posterior'] <= 1.01 * after:
-        others = f'{alike} other{"s" if alike > 1 else ""}'
+        others = alike[0] if len(alike) == 1 else f'{len(alike)} others'
         return (
             f'The listener cannot tell yet: "{true}" and {others} are as likely to them, '
             f'{after:.0%} each ({before:.0%} before).'
