@@ -27,6 +27,8 @@ from mirror_explainer.selection.choice import (
 )
 from mirror_explainer.settings import Question
 
+EMPTY_PLAN = 'the plan is empty, and the goal does not hold yet'
+
 
 def robot_plan(
     task: Task, text: str, source: str = 'plan', limits: InputLimits | None = None
@@ -42,17 +44,8 @@ def robot_plan(
     except InputError as error:
         if steps:
             raise
-        raise no_plan(source) from error
+        raise NoPlanError(source, EMPTY_PLAN, cure='Write a step a line: (move a b).') from error
     return RobotPlan(Plan(tuple(step.action for step in steps), run.cost), run)
-
-
-def no_plan(source: str) -> NoPlanError:
-    """Return the error of a robot that has nothing to do."""
-    return NoPlanError(
-        source,
-        'the robot has no current plan',
-        cure='Nothing is to be done if the robot has no task now: its next plan is explained.',
-    )
 
 
 def robot_plan_of(situation: Situation) -> RobotPlan:

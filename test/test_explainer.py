@@ -554,7 +554,9 @@ def test_an_empty_plan_with_the_goal_unreached_is_no_current_plan(task: Task) ->
         with pytest.raises(NoPlanError) as refused:
             robot_plan(task, text, '/robot/plan')
 
-        assert str(refused.value) == '/robot/plan: the robot has no current plan'
+        assert (
+            str(refused.value) == '/robot/plan: the plan is empty, and the goal does not hold yet'
+        )
 
 
 def test_a_robot_with_an_unlisted_goal_is_explained_with_a_warning(

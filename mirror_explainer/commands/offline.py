@@ -10,7 +10,7 @@ from typing import Any
 
 from mirror_explainer.commands.options import add_settings, settings_from
 from mirror_explainer.errors import InputError, NoPlanError, PlanningError, told
-from mirror_explainer.explainer import explain, robot_plan, robot_plan_of
+from mirror_explainer.explainer import EMPTY_PLAN, explain, robot_plan, robot_plan_of
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.preparation import (
@@ -143,7 +143,7 @@ def _given_plan(
         if steps:
             raise
         cure = 'Leave --plan out, and a plan is made.'
-        raise NoPlanError(path, 'the robot has no current plan', cure=cure) from error
+        raise NoPlanError(path, EMPTY_PLAN, cure=cure) from error
 
 
 def _own_plan(

@@ -100,7 +100,9 @@ def _entries(
     chosen = list(choices.of(kinds, where))
     if not chosen:
         if where and next(choices.of(kinds, ''), None):
-            raise InputError('where', 'this holds initially for no choice of objects')
+            constant = '' if _VARIABLE.search(where) else ': it names no variable in braces'
+            reason = f'{where} holds initially for no choice of objects{constant}'
+            raise InputError('where', reason)
         raise InputError('for', 'the problem has too few objects of these types')
     if key == 'goal':
         return written_goals.of(rest, chosen, choices.task)

@@ -8,6 +8,8 @@ from mirror_explainer.listener.user_model_file import Fault
 
 def slips(data: Mapping[str, Any]) -> Iterator[Fault]:
     """Find entries whose form is a slip; what else the schema says of these can be passed over."""
+    if 'goals' not in data and isinstance(goal := data.get('goal'), str):
+        yield Fault(('goal',), f'write goals: [{{goal: "{goal}"}}]')
     for index, entry in enumerate(_list(data, 'uncertain_facts')):
         path = ('uncertain_facts', index)
         if isinstance(entry, dict) and (atom := _atom_key(entry)):

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable, Collection
 
-from mirror_explainer.errors import InputError
-from mirror_explainer.explainer import no_plan
+from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
@@ -50,7 +49,11 @@ class RobotStatus:
         except InputError as error:
             if steps:
                 raise
-            raise no_plan(plan.source) from error
+            raise NoPlanError(
+                plan.source,
+                'the robot has no current plan',
+                cure='Nothing is to be done if it has no task now: its next plan is explained.',
+            ) from error
         is_new = before is None or situation.number != before.number
         if progress and is_new and plan.heard.seconds_since(progress.heard) > _TOGETHER_SECONDS:
             self._stale, progress = progress, None  # it is about the plan before

@@ -17,10 +17,17 @@ from mirror_explainer.pddl.task import Task
 from mirror_explainer.pddl.text.size import instances
 
 _ANOTHER_TASK = 'Give domain, problem and plan of one task; this plan seems to be for another.'
-_MOSTLY_FITS = 'Correct that line, or declare what it names: most of the plan fits the task.'
-_NOT_CURRENT = (
-    'Give the problem with the state as it is now, and the plan with what is left to do from '
-    'there; publish both, one right after the other, whenever either changes.'
+_MOSTLY_FITS = 'Correct that line, or declare what it names.'
+_PUBLISH_BOTH = (
+    '(A robot must publish problem and plan one right after the other, whenever either changes.)'
+)
+_STEP_MISSING = (
+    'See whether a step before it is missing or out of order, or the :init of the problem is not '
+    f'the state in which the plan starts. {_PUBLISH_BOTH}'
+)
+_END_MISSING = (
+    'See whether the last steps are missing, or the plan is one for another goal or another :init '
+    f'than those of the problem. {_PUBLISH_BOTH}'
 )
 _LEAVE_OUT = 'Leave that out of the PDDL; the README says what is not read.'
 _UNCHECKED = (
@@ -91,7 +98,7 @@ def tried(
         raise InputError(source, 'its cost is too large a number') from error
     if missing:
         reason = f'the plan does not reach the goal: {_conditions(missing, run.passed[-1])}'
-        return run, InputError(source, reason, cure=_NOT_CURRENT)
+        return run, InputError(source, reason, cure=_END_MISSING)
     return run, None
 
 
@@ -107,11 +114,12 @@ def require_fitting(model: up.Problem, steps: Sequence[Step], source: str) -> No
     misfits = [(misfit, step) for step in steps if (misfit := _misfit(step, actions, objects))]
     if misfits:
         misfit, step = misfits[0]
+        strange = sum(1 for other, _ in misfits if other.unknown)
         raise InputError(
             source,
             misfit.reason + did_you_mean(misfit.unknown, misfit.known),
             step.line,
-            cure=_MOSTLY_FITS if 2 * len(misfits) <= len(steps) else _ANOTHER_TASK,
+            cure=_MOSTLY_FITS if 2 * strange <= len(steps) else _ANOTHER_TASK,
         )
 
 
@@ -124,7 +132,10 @@ def _misfit(
         return _Misfit(f'the domain has no action "{name}"', name, actions)
     parameters = actions[name].parameters
     if len(given) != len(parameters):
-        return _Misfit(f'{step.action}: "{name}" takes {arguments(len(parameters))}')
+        count = arguments(len(parameters))
+        return _Misfit(
+            f'{step.action}: "{name}" takes {count}, {_signature(parameters)}, not {len(given)}'
+        )
     for argument, parameter in zip(given, parameters, strict=True):
         if argument not in objects:
             reason = f'{step.action}: the problem has no object "{argument}"'
@@ -133,9 +144,14 @@ def _misfit(
         if not parameter.type.is_compatible(of_type):
             return _Misfit(
                 f'{step.action}: {argument} is of type {of_type.name}, '
-                f'but "{name}" takes a {parameter.type.name} there'
+                f'but "{name}" takes a {parameter.type.name} there: {_signature(parameters)}'
             )
     return None
+
+
+def _signature(parameters: Iterable[up.Parameter]) -> str:
+    """Return "(?from - place ?to - place)"."""
+    return f'({" ".join(f"?{p.name} - {p.type.name}" for p in parameters)})'
 
 
 def _refusal(steps: Sequence[Step], failure: Failure, state: State, source: str) -> InputError:
@@ -149,7 +165,7 @@ def _refusal(steps: Sequence[Step], failure: Failure, state: State, source: str)
         source,
         f'{step.action} cannot be carried out as step {failure.step + 1} of {len(steps)}: {lacks}',
         step.line,
-        cure=_NOT_CURRENT,
+        cure=_STEP_MISSING,
     )
 
 

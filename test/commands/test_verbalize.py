@@ -316,9 +316,10 @@ def test_a_plan_for_another_problem_is_told_with_its_first_failing_step(verbaliz
         2,
         '',
         'verbalize: plan.txt, line 10: (exit bottom_door right) cannot be carried '
-        'out as step 10 of 10: (charged) does not hold. Give the problem with the state as it is '
-        'now, and the plan with what is left to do from there; publish both, one right after the '
-        'other, whenever either changes.\n',
+        'out as step 10 of 10: (charged) does not hold. See whether a step before it is missing '
+        'or out of order, or the :init of the problem is not the state in which the plan starts. '
+        '(A robot must publish problem and plan one right after the other, whenever either '
+        'changes.)\n',
     )
 
 
@@ -329,7 +330,7 @@ def test_an_empty_plan_is_told(verbalize, tmp_path: Path) -> None:
     assert verbalize(plan=plan) == Done(
         2,
         '',
-        f'verbalize: {plan}: the robot has no current plan. '
+        f'verbalize: {plan}: the plan is empty, and the goal does not hold yet. '
         'Leave --plan out, and a plan is made.\n',
     )
 

@@ -93,7 +93,7 @@ one_of: [{facts: "(in faun {r})", for: {r: room}}]""")
         ('{goal: "(shown {t} west)", for: {t: thing}, where: "(dark {t})"}', 'where: .*dark'),
         (
             '{goal: "(shown {t} west)", for: {t: thing}, where: "(lit east)"}',
-            'this holds initially for no choice of objects',
+            r'where: \(lit east\) holds initially for no choice of objects: it names no variable',
         ),
         (
             '{goal: "(and (lit {a}) (lit {b}) (lit {c}))", for: {a: room, b: room, c: room}}',

@@ -76,3 +76,15 @@ def test_a_file_of_hypotheses_may_have_blanks_for_commas_and_names(
         '(and (holding red_circle) (outside bottom_door))',
     )
     assert second.name == '(holding red_cube), (charged)'
+
+
+def test_a_goal_without_a_list_is_told_how_to_be_one(task: Task, tmp_path: Path) -> None:
+    path = tmp_path / 'user.yaml'
+    path.write_text('goal: (holding red_circle)\n')
+
+    with pytest.raises(InputError, match='goal: write goals: ') as refused:
+        read_user_model(path, task)
+
+    _, _, written = refused.value.reason.partition('goal: write ')
+    path.write_text(written)
+    assert [goal.goal for goal in read_user_model(path, task).goals] == ['(holding red_circle)']

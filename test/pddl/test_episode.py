@@ -223,7 +223,8 @@ def test_where_steps_cannot_be_taken_back_the_longest_rest_of_the_plan_is_the_ep
          '(at-spot r dock) does not hold'),
         (FACTS, '(drive r dock shop)', 'plan: the plan does not reach the goal: '
          '(has r cup) does not hold, (has r book) does not hold'),
-        (FACTS, '(drive r dock)', 'plan, line 1: (drive r dock): "drive" takes 3 arguments'),
+        (FACTS, '(drive r dock)', 'plan, line 1: (drive r dock): "drive" takes 3 arguments, '
+         '(?r - robot ?a - spot ?b - spot), not 2'),
         (FACTS, '', 'plan: the plan does not reach the goal: '
          '(has r cup) does not hold, (has r book) does not hold'),
     ],

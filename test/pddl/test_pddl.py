@@ -278,6 +278,17 @@ def test_axioms_in_an_old_form_are_refused_with_their_line() -> None:
         read_task(DOMAIN.replace('  (:action', axiom, 1), PROBLEM)
 
 
+def test_a_metric_of_a_function_that_is_not_there_is_told_as_that() -> None:
+    metric = '(lit l1))\n  (:metric minimize (+ (watts) 1)))'
+
+    task = read_task(DOMAIN, PROBLEM.replace('(lit l1)))', metric))
+
+    assert task.warnings == (
+        'problem, line 8: the metric names what the domain has no function for, so every action '
+        'counts the same',
+    )
+
+
 def test_the_least_total_time_is_no_metric_where_nothing_takes_time() -> None:
     timed = PROBLEM.replace('(lit l1)))', '(lit l1))\n  (:metric MINIMIZE\n ( total-time )))')
 

@@ -177,12 +177,12 @@ FAILURES = {
     ),
     'too few arguments': (
         '(move left)',
-        'plan, line 1: (move left): "move" takes 2 arguments',
+        'plan, line 1: (move left): "move" takes 2 arguments, (?a - place ?b - place), not 1',
     ),
     'wrong type': (
         '(move left bottom_door)',
         'plan, line 1: (move left bottom_door): bottom_door is of type door, '
-        'but "move" takes a place there',
+        'but "move" takes a place there: (?a - place ?b - place)',
     ),
     'first step fails': (
         '\n(move center doors)',

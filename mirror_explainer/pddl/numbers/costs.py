@@ -21,7 +21,7 @@ from mirror_explainer.pddl.numbers.arithmetic import (
 from mirror_explainer.pddl.text.actions import Action, Effect, Parts, effects
 from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
-from mirror_explainer.pddl.text.left_out import CHANGING_DURATIONS, METRIC, LeftOut
+from mirror_explainer.pddl.text.left_out import CHANGING_DURATIONS, METRIC, METRIC_UNKNOWN, LeftOut
 from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, made, word
 
@@ -49,6 +49,10 @@ class _Table:
 
 class _NoSumError(Exception):
     """The metric is no sum of what actions cost."""
+
+
+class _UnknownFunctionError(Exception):
+    """The metric names a function that is not declared."""
 
 
 def with_costs(
@@ -91,11 +95,13 @@ def with_costs(
         return _Pricing(domain, problem, numbers, terms, left_out).priced(actions)
     except (_NoSumError, TooManyError):
         left_out.note(METRIC, problem.source, metric)
-        return unpriced
+    except _UnknownFunctionError:
+        left_out.note(METRIC_UNKNOWN, problem.source, metric)
+    return unpriced
 
 
 def _terms(tree: Tree, factor: Fraction, numbers: Numbers) -> _Terms:
-    """Return what a metric adds up. Raises _NoSumError."""
+    """Return what a metric adds up. Raises _NoSumError, _UnknownFunctionError."""
     head = tree.head if isinstance(tree, Branch) else str(tree)
     parts = tree[1:] if isinstance(tree, Branch) else []
     if isinstance(tree, Word) and number(tree) is not None:
@@ -120,7 +126,7 @@ def _terms(tree: Tree, factor: Fraction, numbers: Numbers) -> _Terms:
     if head == TOTAL_TIME and not parts:
         return {name: factor}
     if head not in numbers.declared.functions:
-        raise _NoSumError
+        raise _UnknownFunctionError
     return {name: factor} if head in {*numbers.changing, TOTAL_COST} else {}
 
 

@@ -38,6 +38,9 @@ NUMBERS = (
 )
 UNSTEADY = 'numbers that multiply or divide what changes are left out'
 METRIC = 'the metric is no sum of what actions cost, so every action counts the same'
+METRIC_UNKNOWN = (
+    'the metric names what the domain has no function for, so every action counts the same'
+)
 
 _TRAJECTORY = frozenset(
     [
@@ -53,7 +56,7 @@ _TRAJECTORY = frozenset(
     ]
 )
 # What of these loosens or tightens what can be done, and not only what is best.
-_HARMLESS = frozenset([PREFERENCES, METRIC, OPEN_DURATIONS, CHANGING_DURATIONS])
+_HARMLESS = frozenset([PREFERENCES, METRIC, METRIC_UNKNOWN, OPEN_DURATIONS, CHANGING_DURATIONS])
 
 
 @dataclass
