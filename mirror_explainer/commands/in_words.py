@@ -1,10 +1,14 @@
 """What an answer does to its listener, in a few plain sentences."""
 
+from textwrap import shorten
+
 from mirror_explainer.listener.explanation import Explanation
 
 # A candidate that is less probable than this need not be told of.
 _WORTH_TELLING = 0.05
 _MOST_NAMES = 3
+_LONGEST_NAME = 100  # characters
+_MOST_UNSAID = 5
 
 
 def in_words(explanation: Explanation) -> str:
@@ -13,27 +17,31 @@ def in_words(explanation: Explanation) -> str:
 
 
 def _taken_for(explanation: Explanation) -> str:
-    true = explanation.true_goal
+    true = _named(explanation.true_goal)
     before, after = explanation.understanding_before, explanation.understanding
     likeliest = max(explanation.goals[:-1], key=lambda goal: goal['posterior'])
-    named = (goal for goal in explanation.goals[:-1] if goal['name'] != true)
-    alike = [f'"{goal["name"]}"' for goal in named if goal['posterior'] > 0.99 * after]
+    others = (goal for goal in explanation.goals[:-1] if goal['name'] != explanation.true_goal)
+    alike = [_named(goal['name']) for goal in others if goal['posterior'] > 0.99 * after]
     if alike and likeliest['posterior'] <= 1.01 * after:
-        others = alike[0] if len(alike) == 1 else f'{len(alike)} others'
+        also = alike[0] if len(alike) == 1 else f'{len(alike)} others'
         return (
-            f'The listener cannot tell yet: "{true}" and {others} are as likely to them, '
+            f'The listener cannot tell yet: {true} and {also} are as likely to them, '
             f'{after:.0%} each ({before:.0%} before).'
         )
     if likeliest['posterior'] <= after + 1e-9:
         return (
-            f'The listener now takes the robot\'s goal to be "{true}" and is {after:.0%} sure '
+            f"The listener now takes the robot's goal to be {true} and is {after:.0%} sure "
             f'({before:.0%} before).'
         )
     return (
-        f'The listener would now take the robot\'s goal to be "{likeliest["name"]}" '
-        f'({likeliest["posterior"]:.0%}). The true one, "{true}", is {after:.0%} likely to them '
+        f"The listener would now take the robot's goal to be {_named(likeliest['name'])} "
+        f'({likeliest["posterior"]:.0%}). The true one, {true}, is {after:.0%} likely to them '
         f'({before:.0%} before).'
     )
+
+
+def _named(goal: str) -> str:
+    return f'"{shorten(goal, _LONGEST_NAME, placeholder=" …")}"'
 
 
 def _left_open(explanation: Explanation) -> list[str]:
@@ -48,7 +56,8 @@ def _left_open(explanation: Explanation) -> list[str]:
     ]
     larger.sort(key=lambda goal: -goal['posterior'])
     if larger:
-        named = ', '.join(f'"{g["name"]}" ({g["posterior"]:.0%})' for g in larger[:_MOST_NAMES])
+        most = larger[:_MOST_NAMES]
+        named = ', '.join(f'{_named(g["name"])} ({g["posterior"]:.0%})' for g in most)
         told.append(f'To the listener it may do more: {named}.')
     partial = explanation.goals[-1]['posterior']
     if partial >= _WORTH_TELLING:
@@ -57,8 +66,11 @@ def _left_open(explanation: Explanation) -> list[str]:
 
 
 def _unsaid(explanation: Explanation) -> list[str]:
-    """Return the sentences of the steps that bring about what was not mentioned."""
-    return [explanation.model.sentences[place] for place in explanation.unsaid_ends]
+    """Return the sentences of the steps that bring about what was not mentioned, if few."""
+    unsaid = [explanation.model.sentences[place] for place in explanation.unsaid_ends]
+    if len(unsaid) <= _MOST_UNSAID:
+        return unsaid
+    return [*unsaid[: _MOST_UNSAID - 1], f'And {len(unsaid) - _MOST_UNSAID + 1} more.']
 
 
 def _amiss(explanation: Explanation) -> list[str]:

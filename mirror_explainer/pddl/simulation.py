@@ -130,7 +130,17 @@ def truths(
 ) -> list[list[bool]]:
     """Return for each ground condition whether it holds in each state, derived facts included."""
     evaluator = Evaluator(task)
-    return [[evaluator.holds(condition, state) for state in states] for condition in conditions]
+    return [_truth(evaluator, condition, states) for condition in conditions]
+
+
+def _truth(evaluator: Evaluator, condition: up.FNode, states: Sequence[State]) -> list[bool]:
+    """Say where a ground condition holds; a literal's atom is spelled out once for all states."""
+    if condition.is_not():
+        return [not held for held in _truth(evaluator, condition.arg(0), states)]
+    if condition.is_fluent_exp():
+        atom, fluent = evaluator.atom(condition), condition.fluent()
+        return [evaluator.value_of(atom, state, fluent) is True for state in states]
+    return [evaluator.holds(condition, state) for state in states]
 
 
 class _Cost:

@@ -94,6 +94,29 @@ def verbalize(
     return run
 
 
+def test_of_many_ends_that_are_left_and_long_names_only_the_first_are_told(command, tmp_path):
+    rooms = [f'hall{number}' for number in range(1, 20)]
+    swept = ' '.join(f'(swept {room})' for room in rooms)
+    texts = {
+        'domain': '(define (domain sweeping) (:predicates (swept ?r))'
+        ' (:action sweep :parameters (?r) :precondition () :effect (swept ?r)))',
+        'problem': f'(define (problem day) (:domain sweeping) (:objects {" ".join(rooms)}) (:init)'
+        f' (:goal (and {swept})))',
+        'plan': '\n'.join(f'(sweep {room})' for room in rooms),
+        'user_model': f'goals: [{{goal: "(and {swept})"}}, {{goal: (swept hall1)}}]',
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+
+    done = command('-n', '1', **{name: tmp_path / name for name in texts})
+
+    summary = done.stdout.split('\n\n')[1]
+    assert 'to be "(and (swept hall1) ' in summary
+    assert ' …" and is ' in summary
+    unsaid = 'I will sweep hall2. I will sweep hall3. I will sweep hall4. And 14 more.'
+    assert unsaid in summary
+
+
 def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(command) -> None:
     done = command('-n', '2', '--order', '--curve', '--listener', 'planner')
 
