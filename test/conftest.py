@@ -76,6 +76,7 @@ LONGEST = (
     'test_planning_processes.py',
     'test_faults_planner.py',
     'test_faults_disk.py',
+    'test_drafted_robots.py',
     'test_experiments_planning.py',
     'test_experiments_pucrs.py',
     'test_experiments_user_study.py',
