@@ -110,6 +110,15 @@ def go_on(page, given, random):
         press(page, 'Enter')
 
 
+def how_soon(met):
+    """Return what a participant reads of when they were sure, in scenarios told alike."""
+    sure = met['settled'][met['settled'] <= met['steps']]
+    if sure.empty:
+        return 'never sure'
+    mean = f'{sure.mean():.1f}'.removesuffix('.0')
+    return mean if len(sure) == len(met) else f'{mean} (sure in {len(sure)} of {len(met)})'
+
+
 @pytest.mark.timeout(900)  # some 40 pages and the planning before them, on a busy machine
 def test_a_whole_study_by_keyboard_through_reloads_and_a_killed_server(
     chromium, database, tmp_path
@@ -143,9 +152,14 @@ def test_a_whole_study_by_keyboard_through_reloads_and_a_killed_server(
     assert {
         (row['scenario'], row['step']): row['answer'] for row in answers.to_dict('records')
     } == {key: chosen for key, chosen in given.items() if key[0].startswith('scenario')}
-    sure = earliest_steps(answers).set_index('strategy')['settled']
-    for row, strategy in zip(rows, ('informative', 'decreasing', 'increasing'), strict=True):
-        assert row.split('\t')[:2] == [strategy, f'{sure[strategy]:.1f}']
+    met = dict(tuple(earliest_steps(answers).groupby('strategy')))
+    ways = {
+        'informative': 'informative',
+        'decreasing': 'from the end',
+        'increasing': 'from the start',
+    }
+    for row, (strategy, way) in zip(rows, ways.items(), strict=True):
+        assert row.split('\t')[:2] == [way, how_soon(met[strategy])]
     times = pd.read_csv(tmp_path / 'response_times.csv')
     assert (times['seconds_in_browser'] <= times['seconds']).all()
 
@@ -236,6 +250,9 @@ def test_still_the_same_gives_the_last_answer_again_by_key_and_by_mouse(
         press(page, 'Enter')
         assert page.locator('#same').count() == 0
         first = answer(page, 2)
+        marked = page.locator('.choice.last').inner_text()
+        assert page.locator('#same').text_content().startswith('Still the same: ')
+        assert page.locator('#same .unseen').text_content().removeprefix(': ') in marked
         press(page, 's')
         with page.expect_navigation():
             page.get_by_role('button', name='Still the same').click()

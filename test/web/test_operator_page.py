@@ -169,17 +169,22 @@ def test_the_button_gives_the_answer_and_all_that_it_does_by_keyboard_alone(oper
     assert told['understanding_before'] < 0.1 < 0.6 < told['understanding']
     expect(operator.locator('#belief dd')).to_have_text([before, after, *instead])
     expect(operator.locator('#belief dt')).to_have_text(
-        ['Before', 'After', 'Had it told its first 3 steps', 'Had it told its last 3 steps']
+        [
+            'Before',
+            'After this answer',
+            'Had it told its first 3 steps',
+            'Had it told its last 3 steps',
+        ]
     )
     expect(operator.locator('#timeline li.said')).to_have_count(3)
     expect(button(operator)).to_be_focused()
     more(operator)
     said = operator.get_by_role('table', name='The steps of the plan').get_by_role(
-        'row', name='said'
+        'row', name='told'
     )
-    goals = operator.get_by_role('table', name='How likely you find each goal')
+    goals = operator.get_by_role('table', name='How likely each goal seems to you')
     true_goal = goals.get_by_role('row', name='true goal')
-    understanding = operator.get_by_role('row', name='Understanding: how likely')
+    understanding = operator.get_by_role('row', name='Understanding: how sure')
     uncertainty = operator.get_by_role('row', name='Uncertainty (cross-entropy')
     expect(said).to_have_count(3)
     expect(true_goal).to_contain_text('red circle and blue cube, bottom door')
@@ -195,7 +200,7 @@ def test_slider_and_choice_set_the_parameters_and_change_the_answer(operator, sh
     press(operator)
     expect(answer(operator)).to_have_text(SENTENCES)
     settings(operator)
-    operator.get_by_role('slider', name='Sentences, at most (N)').focus()
+    operator.get_by_role('slider', name='Steps told, at most (N)').focus()
     operator.keyboard.press('Home')
     expect(answer(operator)).to_have_text(['I will exit from the bottom door.'])
     choose(operator, 'increasing')
@@ -237,7 +242,8 @@ def test_a_bad_message_is_told_in_words_and_a_good_one_heals_it(operator, shared
     reason = f'{shared.peer.node.get_namespace()}/plan, line 1'
     expect(operator.locator('#status')).to_contain_text('Fault. What the robot tells of its task')
     expect(operator.locator('#details-text')).to_contain_text(reason)
-    expect(operator.locator('#said .old')).to_have_count(1)
+    for part in ('#said', '#belief', '#timeline'):
+        expect(operator.locator(f'{part} .old')).to_have_count(1)
     press(operator)
     expect(operator.locator('.status:visible')).to_have_count(1)
     expect(operator.locator('#status')).to_contain_text('Fault.')
@@ -347,6 +353,7 @@ def test_a_display_asks_by_itself_and_shows_nothing_to_set(chromium, shared):
         shared.peer.publish('plan', PLAN + '; for the display')
         expect(answer(page)).to_have_text(SENTENCES)
         expect(page.locator('#said .old')).to_have_count(0)
+        expect(page.locator('.status:visible')).to_have_count(0)  # while all is well
         expect(page.get_by_role('button')).to_have_count(0)
         expect(page.locator('#drawer')).to_have_count(0)
         assert overflow(page) <= 0

@@ -78,7 +78,8 @@ def heard() -> Heard:
 
 def test_an_answer_about_the_newest_inputs_is_shown_without_a_warning(heard: Heard) -> None:
     assert said(heard).sentences == ('I will exit.',)
-    assert not said(heard).old
+    parts = said(heard), belief(heard), timeline(heard)
+    assert [part and part.old for part in parts] == [False, False, False]
     assert status(heard).kind == 'ready'
 
 
@@ -86,7 +87,9 @@ def test_an_answer_about_the_newest_inputs_is_shown_without_a_warning(heard: Hea
 def test_an_answer_about_other_inputs_than_the_newest_is_called_old(
     heard: Heard, now: Status
 ) -> None:
-    assert said(replace(heard, status=now)).old
+    new = replace(heard, status=now)
+    parts = said(new), belief(new), timeline(new)
+    assert [part and part.old for part in parts] == [True, True, True]
 
 
 def test_without_news_it_is_not_claimed_that_the_answer_is_the_newest(heard: Heard) -> None:

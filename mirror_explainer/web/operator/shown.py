@@ -87,7 +87,12 @@ def said(heard: Heard) -> Said:
     if answer is None:
         return Said()
     lines = answer.spoken.split('\n') if answer.spoken else answer.sentences
-    return Said(tuple(lines), heard.answered_at, heard.silent or not heard.is_current)
+    return Said(tuple(lines), heard.answered_at, _may_be_old(heard))
+
+
+def _may_be_old(heard: Heard) -> bool:
+    """Whether the answer may be about another plan than the robot's present one."""
+    return heard.silent or not heard.is_current
 
 
 def asks(heard: Heard, follow: bool) -> str:
@@ -105,9 +110,9 @@ def asks(heard: Heard, follow: bool) -> str:
 
 @dataclass(frozen=True)
 class Belief:
-    """How likely the listener finds the robot's goal: before, after, and had it said other steps.
+    """How likely the listener finds the robot's goal: before, after, and had it told other steps.
 
-    `instead` are names of other steps and how likely it would be then.
+    `instead` are names of other steps and how likely it would be then; `old` is that of `Said`.
     """
 
     goal: str
@@ -116,6 +121,7 @@ class Belief:
     instead: tuple[tuple[str, float], ...]
     unmentioned: tuple[str, ...]
     planned: float
+    old: bool
 
 
 def belief(heard: Heard) -> Belief | None:
@@ -137,12 +143,13 @@ def belief(heard: Heard) -> Belief | None:
         ),
         answer.unmentioned if answer.sentences else (),
         answer.planned,
+        _may_be_old(heard),
     )
 
 
 @dataclass(frozen=True)
 class Mark:
-    """A step of the timeline: its number from 1, its sentence, whether it is said, its status."""
+    """A step of the timeline: its number from 1, its sentence, whether it is told, its status."""
 
     number: int
     sentence: str
@@ -154,11 +161,13 @@ class Mark:
 class Timeline:
     """The plan from its first step to the last; `long` ones are a row that can be opened.
 
-    `restarts` says that the robot can begin again, and has come to the end.
+    `restarts` says that the robot can begin again, and has come to the end; `old` is that of
+    `Said`.
     """
 
     marks: tuple[Mark, ...]
     restarts: bool = False
+    old: bool = False
 
     @property
     def long(self) -> bool:
@@ -172,7 +181,7 @@ class Timeline:
 
     @property
     def said(self) -> int:
-        """How many steps are said."""
+        """How many steps are told."""
         return sum(mark.said for mark in self.marks)
 
 
@@ -195,7 +204,7 @@ def timeline(heard: Heard) -> Timeline | None:
             status = 'running'
         marks.append(Mark(i + 1, step.sentence, step.position in answer.positions, status))
     at_end = all(mark.status == 'done' for mark in marks)
-    return Timeline(tuple(marks), heard.restarts and at_end)
+    return Timeline(tuple(marks), heard.restarts and at_end, _may_be_old(heard))
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,7 @@ DRAWN = ('informative', 'decreasing', 'increasing')
 
 @dataclass(frozen=True)
 class Encountered:
-    """One scenario: its goal and strategy, and the answers step by step as marks.
-
-    `sure` is the step from which on all answers are right; None: never.
-    """
+    """One scenario: its goal and strategy, and the answers step by step as marks."""
 
     scenario: str
     goal: str
@@ -25,15 +22,10 @@ class Encountered:
 
     @property
     def sure(self) -> int | None:
-        """The step from which on all answers are right."""
+        """The step from which on all answers are right; None: never."""
         wrong = [i for i, mark in enumerate(self.marks, start=1) if mark != 'right']
         last = max(wrong, default=0)
         return last + 1 if last < len(self.marks) else None
-
-    @property
-    def counted(self) -> int:
-        """The same for averages: one step more than there are where it was never."""
-        return self.sure or len(self.marks) + 1
 
 
 def encountered(answers: Sequence[Answer]) -> list[Encountered]:
@@ -53,17 +45,21 @@ def encountered(answers: Sequence[Answer]) -> list[Encountered]:
 class Row:
     """A strategy: after how many sentences somebody was sure, on average, and listeners are.
 
-    `mean` and `simulated` are None where there is nothing to average. The rest is the
-    picture: `y` is the row's middle, and the other numbers are x.
+    Somebody was sure in `sure` of `met` scenarios, and `mean` is over these. `mean` and
+    `simulated` are None where there is nothing to average. The rest is the picture: `y` is
+    the row's middle, and the other numbers are x. Each scenario is a dot, a hollow one at the
+    plan's end where somebody never was sure: x, y, and whether it is hollow.
     """
 
     strategy: str
+    met: int
+    sure: int
     mean: float | None
     simulated: float | None
     y: float
     bar: float
     line: float | None
-    dots: tuple[tuple[float, float], ...]
+    dots: tuple[tuple[float, float, bool], ...]
 
 
 @dataclass(frozen=True)
@@ -96,17 +92,21 @@ def chart(of: Sequence[Encountered], simulated: Mapping[str, float]) -> Chart:
 
     rows = []
     for index, strategy in enumerate(DRAWN):
-        counts = sorted(each.counted for each in of if each.strategy == strategy)
-        mean = sum(counts) / len(counts) if counts else None
+        met = [each for each in of if each.strategy == strategy]
+        sure = [each.sure for each in met if each.sure is not None]
+        mean = sum(sure) / len(sure) if sure else None
         usual = simulated.get(strategy)
         y = _TOP + ROW * (index + 0.5)
         # Dots at one number stand side by side, above one another.
+        places = sorted((each.sure or len(each.marks), each.sure is None) for each in met)
+        steps = [step for step, _ in places]
         dots = tuple(
-            (x(count), round(y + 7 - 9 * counts[:i].count(count), 1))
-            for i, count in enumerate(counts)
+            (x(step), round(y + 7 - 9 * steps[:i].count(step), 1), never)
+            for i, (step, never) in enumerate(places)
         )
         line = None if usual is None else x(usual)
-        rows.append(Row(strategy, mean, usual, y, x(mean or 0) - _LEFT, line, dots))
+        bar = x(mean or 0) - _LEFT
+        rows.append(Row(strategy, len(met), len(sure), mean, usual, y, bar, line, dots))
     every = 1 if most <= 12 else 5
     return Chart(tuple(rows), tuple((x(tick), tick) for tick in range(0, most, every)))
 

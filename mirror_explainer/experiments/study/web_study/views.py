@@ -228,13 +228,19 @@ def _step(
     said = words(participant.language)
     names = [choice.name for choice in next_.choices]
     last = '?' if next_.last == DONT_KNOW else ''
+    choices = [_choice(choice, said) for choice in next_.choices]
+    same = said.text('dont_know')
+    if next_.last in names:
+        last = str(names.index(next_.last))
+        same = choices[int(last)][0]
     context = {
         **_frame(participant),
         'due': next_,
         'drawing': _drawing(next_.encounter.name, participant.language),
         'sentences': [_sentence(next_.encounter, position, said) for position in next_.said],
-        'choices': [_choice(choice, said) for choice in next_.choices],
-        'last': str(names.index(next_.last)) if next_.last in names else last,
+        'choices': choices,
+        'last': last,
+        'same': same,
         'error': error,
     }
     return render(request, 'study/step.html', context, status=400 if error else 200)
@@ -301,15 +307,30 @@ def _result(request: HttpRequest, participant: Participant) -> HttpResponse:
     context = {
         **_frame(participant),
         'chart': drawn,
-        'in_sentence': {
-            row.strategy: said.text('never') if row.mean is None else f'{row.mean:.1f}'
-            for row in drawn.rows
-        },
-        'met': [(_goal(design.encounter(each.scenario).true_choice, said), each) for each in met],
+        'how_soon': {row.strategy: _how_soon(row, said) for row in drawn.rows},
+        'rows': [(said.text(row.strategy), _how_soon(row, said), row) for row in drawn.rows],
+        'met': [
+            (
+                _goal(design.encounter(each.scenario).true_choice, said),
+                said.text(each.strategy),
+                each.marks,
+            )
+            for each in met
+        ],
         'completion_code': completion.code,
         'return_to': return_to,
     }
     return render(request, 'study/result.html', context)
+
+
+def _how_soon(row: own_result.Row, said: Words) -> str:
+    """Return after how many sentences a participant was sure, and in how many scenarios."""
+    if row.mean is None:
+        return said.text('never') if row.met else said.text('no_number')
+    mean = f'{row.mean:.1f}'.removesuffix('.0')
+    if row.sure == row.met:
+        return mean
+    return said.text('sure_in', mean=mean, sure=row.sure, met=row.met)
 
 
 def _frame(participant: Participant) -> dict[str, Any]:
