@@ -391,6 +391,7 @@ TYPES = {
             'action': str,
             'sentence': str,
             'status': str,
+            'tenses': {'ahead': str, 'running': str, 'done': str},
             'information_gain': NUMBER,
         }
     ],

@@ -231,19 +231,21 @@ class Explanation:
 
     @cached_property
     def plan(self) -> list[dict[str, Any]]:
-        """Each step of the plan, with what its sentence alone would tell."""
+        """Each step of the plan: its sentence, now and in each status, and what it tells alone."""
         rows = zip(
             self.model.plan.actions,
             self.preparation.statuses,
             self.model.single_gains(self.known),
             strict=True,
         )
+        said = self.preparation.sentences.said
         return [
             {
                 'position': i,
                 'action': action,
-                'sentence': self.preparation.sentences.said(action, status),
+                'sentence': said(action, status),
                 'status': str(status),
+                'tenses': {str(each): said(action, each) for each in StepStatus},
                 'information_gain': gain,
             }
             for i, (action, status, gain) in enumerate(rows)

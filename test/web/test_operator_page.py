@@ -393,6 +393,8 @@ def test_the_demo_from_first_to_last_step_and_again_asks_by_itself_and_nothing_j
         with shared.robot(step_period=0.3):
             expect(again).to_be_visible()
             expect(wide.locator('#timeline li.done')).to_have_count(10)
+            last = wide.locator('#timeline .step > span:visible').last
+            expect(last).to_have_text('I have exited from the bottom door.')
             expect(answer(wide)).to_have_text(SENTENCES)  # nobody asked meanwhile
             assert violations(wide) == []
             again.click()

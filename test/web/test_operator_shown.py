@@ -271,6 +271,20 @@ def test_the_timeline_tells_what_is_done_now_and_said_and_folds_a_long_plan(
     assert timeline(heard.with_answer(answer(plan=[]), '')) is None
 
 
+def test_a_step_that_is_ticked_off_is_told_in_the_past(heard: Heard) -> None:
+    tenses = {'ahead': 'I will go.', 'running': 'I am going.', 'done': 'I have gone.'}
+    row = {**EXPLANATION['plan'][0], 'status': 'ahead', 'tenses': tenses}  # type: ignore[index]
+
+    shown = timeline(heard.with_answer(answer(plan=[row], episode={'number': 1}), ''))
+    later = replace(heard, status=replace(READY, episode=1, done=1))
+    after = timeline(later.with_answer(answer(plan=[row], episode={'number': 1}), ''))
+
+    assert shown is not None
+    assert after is not None
+    assert (shown.marks[0].sentence, after.marks[0].sentence) == ('I will go.', 'I have gone.')
+    assert after.marks[0].others == ('I will go.', 'I am going.')
+
+
 def test_goals_that_lack_a_part_of_each_candidate_are_a_row_without_a_name(heard: Heard) -> None:
     goals = [*EXPLANATION['goals'], {'name': None, 'prior': 0.3, 'posterior': 0.5}]  # type: ignore[misc]
     tables = explained(heard.with_answer(answer(goals=goals), ''))

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -35,7 +35,7 @@ class Fact:
 class Step:
     """An action of the plan; `information_gain` is what it would tell alone, in nats.
 
-    `status` says whether it is `done`, `running` or `ahead`.
+    `status` says whether it is `done`, `running` or `ahead`; `tenses` is its sentence in each.
     """
 
     position: int
@@ -43,6 +43,7 @@ class Step:
     sentence: str
     information_gain: float
     status: str = 'ahead'
+    tenses: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

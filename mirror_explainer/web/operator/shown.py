@@ -149,12 +149,16 @@ def belief(heard: Heard) -> Belief | None:
 
 @dataclass(frozen=True)
 class Mark:
-    """A step of the timeline: its number from 1, its sentence, whether it is told, its status."""
+    """A step of the timeline: its number from 1, its sentence, whether it is told, its status.
+
+    `others` is the sentence in other tenses, for which there is to be place, too.
+    """
 
     number: int
     sentence: str
     said: bool
     status: str
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -202,7 +206,9 @@ def timeline(heard: Heard) -> Timeline | None:
             status = 'done'
         elif i < done + running:
             status = 'running'
-        marks.append(Mark(i + 1, step.sentence, step.position in answer.positions, status))
+        sentence = step.tenses.get(status, step.sentence)
+        others = tuple(dict.fromkeys(s for s in step.tenses.values() if s != sentence))
+        marks.append(Mark(i + 1, sentence, step.position in answer.positions, status, others))
     at_end = all(mark.status == 'done' for mark in marks)
     return Timeline(tuple(marks), heard.restarts and at_end, _may_be_old(heard))
 
