@@ -78,7 +78,7 @@ class Plansys2Bridge(Node):
         }
         self._execution = Execution.of(())
         self._heard_plan = 0.0  # when, on the steady clock
-        self._executors: set[bytes] | None = None  # who may have told it; None: not looked at yet
+        self._executors: set[bytes] = set()  # who may have told it, as far as is known
         self._under_way: bool | None = None  # whether the executor has a goal; None: not heard
         self._ends: float | None = None  # when the plan that is over is no longer told
         self._over = False  # whether the plan is over, which is not told yet
@@ -123,13 +123,16 @@ class Plansys2Bridge(Node):
 
         Not whether there is one: PlanSys2 may have been started anew meanwhile.
         """
-        topic = self._plans.topic_name
-        now = {bytes(i.endpoint_gid) for i in self.get_publishers_info_by_topic(topic)}
-        if self._executors is None:
-            if now:
-                self._executors = now
+        now = self._executors_now()
+        if not self._executors:
+            self._executors = now
             return not now and time.monotonic() - self._heard_plan > PATIENCE
         return not self._executors & now
+
+    def _executors_now(self) -> set[bytes]:
+        """Return who may tell a plan."""
+        topic = self._plans.topic_name
+        return {bytes(info.endpoint_gid) for info in self.get_publishers_info_by_topic(topic)}
 
     def _on_domain(self, text: str) -> None:
         self._tell('domain', text)
@@ -149,7 +152,8 @@ class Plansys2Bridge(Node):
         if actions == self._execution.actions and not self._stuck:
             return  # some versions repeat it all the time
         self._execution, self._stuck, self._over = Execution.of(actions), False, False
-        self._heard_plan, self._executors = time.monotonic(), None
+        # Now, for whoever told it may be gone at the next look, and another be there.
+        self._heard_plan, self._executors = time.monotonic(), self._executors_now()
         if self._under_way is not False:
             self._expect_plan()
 
