@@ -57,10 +57,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 options.problem, "the robot's goal is reached: nothing is left to say"
             )
         curves = strategy_curves(model, budget=options.selection_budget)
-        both = {
-            name: strategy_curves(preparation.model_for(chosen(preparation.listener, name)))
-            for name in LISTENERS
-        }
+        both = {}
+        for name in LISTENERS:
+            other = preparation.model_for(chosen(preparation.listener, name))
+            both[name] = curves if other is model else strategy_curves(other)
         tables = '\n\n'.join(
             [spoken_orders(model), gains(curves), levels(curves), either_listener(both)]
         )
