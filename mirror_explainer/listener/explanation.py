@@ -238,18 +238,21 @@ class Explanation:
             self.model.single_gains(self.known),
             strict=True,
         )
-        said = self.preparation.sentences.said
-        return [
-            {
-                'position': i,
-                'action': action,
-                'sentence': said(action, status),
-                'status': str(status),
-                'tenses': {str(each): said(action, each) for each in StepStatus},
-                'information_gain': gain,
-            }
-            for i, (action, status, gain) in enumerate(rows)
-        ]
+        told = []
+        for i, (action, status, gain) in enumerate(rows):
+            said = self.preparation.sentences.said
+            tenses = {str(each): said(action, each) for each in StepStatus}
+            told.append(
+                {
+                    'position': i,
+                    'action': action,
+                    'sentence': tenses[status],
+                    'status': str(status),
+                    'tenses': tenses,
+                    'information_gain': gain,
+                }
+            )
+        return told
 
     @property
     def episode(self) -> dict[str, Any]:
