@@ -72,8 +72,9 @@ def with_goals_seen(user_model: UserModel, task: Task, counts: Mapping[str, int]
         else 0.0
         for goal in user_model.goals
     ]
+    total = sum(weights)
     goals = (
-        replace(goal, probability=weight / sum(weights))
+        replace(goal, probability=weight / total)
         for goal, weight in zip(user_model.goals, weights, strict=True)
     )
     return replace(user_model, goals=tuple(goals))

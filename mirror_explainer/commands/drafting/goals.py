@@ -1,6 +1,6 @@
 """Candidate goals: the robot's own and those seen, and what is like them."""
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from mirror_explainer.commands.drafting.patterns import Pattern, World
@@ -51,7 +51,7 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
             _add(world, found, world.like(fewer), _PART, _NEARLY / len(parts))
     for parts in often:
         _add(world, found, world.with_one_twice(parts), 'with one object for two', _NEARLY)
-    return list(_bounded(world, found, frozenset([_PART]) if seen else frozenset()))
+    return list(_bounded(world, found, needless=_PART if seen else ''))
 
 
 def _add(
@@ -91,18 +91,18 @@ def _stands_for(world: World, wider: Pattern, narrower: Pattern) -> bool:
 
 
 def _bounded(
-    world: World, found: Mapping[Pattern, tuple[float, str]], needless: Set[str]
+    world: World, found: Mapping[Pattern, tuple[float, str]], needless: str
 ) -> Iterator[Candidate]:
     """Yield the candidates, those taken as long as they are not too many together.
 
-    Where it is known what the robot does, goals with a part less are `needless`: a listener
-    allows for them without being told, and for each as much.
+    Those that come from `needless` are left out: where it is known what the robot does, a
+    listener allows for goals with a part less without being told, and for each as much.
     """
     total = 0
     for pattern, (weight, why) in found.items():
         count = world.count(pattern)
         left_out = ''
-        if why in needless:
+        if why == needless:
             left_out = 'a listener allows for that anyway; take in what it does'
         elif total and total + count > MOST_CANDIDATES:
             left_out = 'too many beside the others; choose'
