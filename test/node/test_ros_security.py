@@ -111,19 +111,15 @@ def test_a_terminal_and_a_format_find_nothing_to_obey_in_a_logged_name(answered)
     assert not {'\x1b', '\x07', '\x9b'} & set(node.log + reason)
 
 
-def test_the_policy_allows_the_demo_robot_what_it_uses_and_no_more(peer, tmp_path):
-    expected = allowed('/robot', peer.node.get_namespace())
-    with running('warehouse_robot', peer.node.get_namespace(), tmp_path):
-        eventually(lambda: peer.hear('plan'), 'the plan')
-        found = used_in_the_end(peer, 'warehouse_robot', expected)
-    assert found == expected
-
-
-def test_the_policy_allows_the_task_list_what_it_uses_and_no_more(peer, tmp_path):
-    expected = allowed('/task_list_robot', peer.node.get_namespace())
-    with running('task_list_robot', peer.node.get_namespace(), tmp_path):
-        eventually(lambda: peer.hear('domain'), 'the domain')
-        found = used_in_the_end(peer, 'task_list_robot', expected)
+@pytest.mark.parametrize(
+    ('enclave', 'name', 'topic'),
+    [('/robot', 'warehouse_robot', 'plan'), ('/task_list_robot', 'task_list_robot', 'domain')],
+)
+def test_the_policy_allows_a_robot_what_it_uses_and_no_more(peer, tmp_path, enclave, name, topic):
+    expected = allowed(enclave, peer.node.get_namespace())
+    with running(name, peer.node.get_namespace(), tmp_path):
+        eventually(lambda: peer.hear(topic), f'the {topic}')
+        found = used_in_the_end(peer, name, expected)
     assert found == expected
 
 
