@@ -86,7 +86,9 @@ def heard(
 ) -> tuple[tuple[int, ...], ...]:
     """Return the plan positions that one of the study's strategies has said by each step."""
     listener = SPOKEN_TO.get(strategy, PLANNER)
-    model = planned.mirror_model(planned.scenario.user_model, listener=listener)
+    model = planned.model  # a planner's
+    if listener is not PLANNER:
+        model = planned.mirror_model(planned.scenario.user_model, listener=listener)
     return verbalizations(model, 'informative' if strategy in SPOKEN_TO else strategy, growth)
 
 
