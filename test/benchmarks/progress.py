@@ -27,8 +27,8 @@ from patience import PATIENCE
 from tabulate import tabulate
 from whole_tasks import CONFIG, EXAMPLES
 
+from mirror_explainer.experiments.planning.cases import problem_of
 from mirror_explainer.experiments.planning.robots import Robot, robots
-from mirror_explainer.experiments.planning.scale import problem_of
 from mirror_explainer.node.inputs import Configuration, NodeSettings, Text
 from mirror_explainer.node.live_explainer import LiveExplainer, Reply
 from mirror_explainer.pddl import read_task

@@ -1,13 +1,19 @@
 """The benchmarks of planning: what they measure on the warehouse, and how they tell bad input."""
 
 import json
+import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE
 
 from mirror_explainer.experiments.benchmark.dataset import Listed, listed_locations, manifest
-from mirror_explainer.experiments.planning import plans_per_belief, scale, speed
+from mirror_explainer.experiments.planning import further, plans_per_belief, scale, speed
+from mirror_explainer.experiments.planning.plain_searches import PEERS, seconds_of
 from mirror_explainer.experiments.planning.robots import robots
+from mirror_explainer.experiments.planning.scale_tables import Row, Searches, searches_table
 from mirror_explainer.planning import Planner, Status
 
 ENTRY = {'domain': 'rooms', 'instance': 'rooms_p01', 'obs100_len': 7, 'lmcut_tier': 'easy'}
@@ -22,24 +28,33 @@ def listed(folder: Path, *entries: object) -> Path:
     return folder
 
 
+def rows_of(told: str, *names: str) -> list[list[str]]:
+    """The cells of the rows of all tables told whose names begin with one of these."""
+    begins = tuple(f'| {name}' for name in names)
+    lines = [line for line in told.split('\n') if line.startswith(begins)]
+    return [[cell.strip() for cell in line.strip('|').split('|')] for line in lines]
+
+
 def test_the_fast_way_is_set_beside_one_call_a_belief(capsys) -> None:
     assert speed.main(['--only', 'warehouse', '--sample', '1']) == 0
 
-    [row] = [
-        line for line in capsys.readouterr().out.split('\n') if line.startswith('| warehouse')
-    ]
-    assert row.split(' | ')[1] == '64'  # 4 goals × 2⁴ states
-    assert row.endswith(' 2 |')  # a cost for each state of the world: before and after a step
+    row, of_domain = rows_of(capsys.readouterr().out, 'warehouse')
+    assert row[1] == '64'  # 4 goals × 2⁴ states
+    assert row[-1] == '2'  # a cost for each state of the world: before and after a step
+    assert of_domain[1] == '1'
+    assert of_domain[3] == row[3]  # the median of one
 
 
 def test_what_is_lost_with_fewer_plans_is_told_for_every_number_of_them(capsys) -> None:
     assert plans_per_belief.main(['--only', 'choices', '--renamings', '1']) == 0
 
-    rows = [line for line in capsys.readouterr().out.split('\n') if line.startswith('| warehouse')]
-    lost, renamed = rows[:-1], rows[-1]
-    assert [row.split(' | ')[1] for row in lost] == ['1', '3', '10', '30', '100', '300']
-    assert lost[-1].endswith(' 0.0% |')
-    assert renamed.count(' of 4 ') == 6  # one renaming, N = 1 … 4
+    told = rows_of(capsys.readouterr().out, 'warehouse', 'all')
+    lost, lost_in_all, renamed, renamed_in_all = told
+    assert lost[1:] == lost_in_all[1:]
+    assert len(lost[1:]) == 6  # numbers of plans
+    assert lost[-1] == '0.0% (0.00)'
+    assert renamed[1:] == renamed_in_all[1:]
+    assert all(' of 4' in cell for cell in renamed[1:])  # one renaming, N = 1 … 4
 
 
 @pytest.mark.parametrize('command', [speed, plans_per_belief])
@@ -64,11 +79,52 @@ def test_a_manifest_that_lists_what_is_not_there_is_an_error(tmp_path) -> None:
         listed_locations(listed(tmp_path, {**ENTRY, 'instance': 'rooms_p02'}), hard=False)
 
 
-def test_robots_of_every_family_are_planned_for_and_set_beside_plain_searches(capsys) -> None:
-    assert scale.main(['--only', 'hospital, 1 packs', '--sample', '1']) == 0
+def test_robots_of_every_family_are_planned_for_and_set_beside_plain_searches(
+    tmp_path, capsys
+) -> None:
+    figure = tmp_path / 'scale'
+    only = ['--only', 'hospital, 1 packs', '--sample', '1', '--figure', str(figure)]
+    assert scale.main(only) == 0
 
-    [row] = [line for line in capsys.readouterr().out.split('\n') if line.startswith('| hospital')]
-    assert row.split(' | ')[1] == '40'  # 10 goals × 2² states, none unknown
+    planned, searched = rows_of(capsys.readouterr().out, 'hospital')
+    assert planned[1] == '40'  # 10 goals × 2² states, none unknown
+    assert searched[1] == '4'
+    assert float(searched[3]) > 0  # the best single searches end
+    assert figure.with_suffix('.svg').exists()
+
+
+def test_a_peer_that_is_not_installed_is_left_out_and_named(monkeypatch) -> None:
+    for package in ('up_symk', 'kstar_planner'):
+        monkeypatch.setitem(sys.modules, package, None)
+    installed = {peer.name: 2.0 for peer in PEERS if peer.found()}
+    row = Row('a robot', 1, 0, *[1.0] * 5, 1, 0.5, 1.0, True, Searches(4, 1.5, 0.5, installed))
+
+    heading, _, told, _, *lines = searches_table([row]).split('\n')
+    assert heading.endswith('| LAMA |')
+    assert told == '| a robot | 4 | 1.50 | 0.50 | 3.0 | 2.00 |'
+    assert 'not installed: SymK (up-symk), K* (kstar-planner).' in lines[-1]
+
+    told = further.table([further.Row('a task', further.Found((2,), True, 0.5), None)])
+    assert '| a task | 2 | 0.50 |' in told
+    assert 'not installed: K* (kstar-planner).' in told
+
+
+def test_counts_of_plans_must_agree_where_both_ways_ended() -> None:
+    few, more = further.Found((2, 3), True, 0.5), further.Found((2, 4), True, 0.25)
+
+    with pytest.raises(AssertionError):
+        further.Row('a task', few, more)
+    told = further.table([further.Row('a task', few, replace(more, ended=False))])
+    assert '| a task | 2, 3 | 0.50 | 2, 4 | 0.25 (not ended) |' in told
+    assert '1 not with K*' in told
+
+
+def test_a_plain_search_that_does_not_end_in_time_is_ended() -> None:
+    began = time.monotonic()
+    assert seconds_of(['sh', '-c', 'while :; do :; done'], b'', 0.05) is None
+    assert seconds_of(['sh', '-c', 'exit 12'], b'', 0.05) is None  # nothing found
+    assert seconds_of(['sh', '-c', 'cat >/dev/null'], b'a task', 5.0) is not None
+    assert time.monotonic() - began < PATIENCE
 
 
 def test_every_robot_of_the_families_has_goals_that_can_be_reached() -> None:

@@ -25,6 +25,7 @@ _GOALS = 4
 class Instance:
     """A goal recognition problem: the candidate goals as PDDL, the robot's own goal first."""
 
+    domain_name: str
     name: str
     domain: str
     problem: str
@@ -48,7 +49,9 @@ def pucrs_instance(location: Location, dataset: Path) -> Instance:
     found = read_instance(location, dataset)
     own = found.true_goal
     others = (goal for goal in found.goals if goal != own)
-    return Instance(location.name, found.domain, found.problem('(and )'), (own, *others))
+    return Instance(
+        location.domain, location.name, found.domain, found.problem('(and )'), (own, *others)
+    )
 
 
 def warehouse() -> Instance:
@@ -59,7 +62,7 @@ def warehouse() -> Instance:
     goals = tuple(
         f'(and (holding {item}) (outside {door}))' for item, door in zip(items, doors, strict=True)
     )
-    return Instance('warehouse', task.domain, task.problem, goals)
+    return Instance('warehouse', 'warehouse', task.domain, task.problem, goals)
 
 
 def uncertain_case(planner: Planner, instance: Instance, facts: int, random: Random) -> Case:
@@ -80,13 +83,18 @@ def uncertain_case(planner: Planner, instance: Instance, facts: int, random: Ran
     more = sorted(needed - initial)
     random.shuffle(more)
     space = replace(space, uncertain_facts=tuple((holding + more)[:facts]))
-    stepped = _with_facts(instance.problem, _after(task, plan[0]))
-    return Case(space, replace(space, problem=stepped))
+    return Case(space, _after(task, space, plan[0]))
 
 
-def _after(task: Task, action: str) -> frozenset[str]:
+def after_step(space: BeliefSpace, belief: Belief, action: str) -> BeliefSpace:
+    """Return the space after an action of a robot in a belief's state."""
+    return _after(read_task(space.domain, problem_of(space, belief)), space, action)
+
+
+def _after(task: Task, space: BeliefSpace, action: str) -> BeliefSpace:
     done = ground_action(task, action)
-    return (task.initial_facts - done.deleted) | done.added
+    facts = (task.initial_facts - done.deleted) | done.added
+    return replace(space, problem=_with_facts(space.problem, facts))
 
 
 def _with_facts(problem: str, facts: Iterable[str]) -> str:
@@ -96,6 +104,18 @@ def _with_facts(problem: str, facts: Iterable[str]) -> str:
     costs = re.findall(r'\(=\s+\([^)]*\)\s+[\d.]+\s*\)', problem[init.start : init.end])
     changed = f'(:init {" ".join([*sorted(facts), *costs])})'
     return problem[: init.start] + changed + problem[init.end :]
+
+
+def problem_of(space: BeliefSpace, belief: Belief) -> str:
+    """Return one belief's problem as PDDL."""
+    text = space.problem
+    for fact in set(space.uncertain_facts) - belief.true_facts:
+        text = text.replace(fact, '')
+    missing = ' '.join(fact for fact in belief.true_facts if fact not in text)
+    text = text.replace('(:init', f'(:init {missing}', 1)
+    goal = section(text, ':goal')
+    assert goal is not None, 'every problem of ours has one'
+    return f'{text[: goal.start]}(:goal {space.goals[belief.goal]}){text[goal.end :]}'
 
 
 def every_belief(space: BeliefSpace) -> list[Belief]:

@@ -1,9 +1,11 @@
 """All optimal plans of a belief: our searches beside K*'s unordered top-quality planning.
 
-Run as `python3 -m mirror_explainer.experiments.planning.further [--pucrs DIR]`, with kstar-planner
-(PyPI, GPLv3) installed. Prints a Markdown table. Every count that both end with must be the same.
+Run as `python3 -m mirror_explainer.experiments.planning.further [--pucrs DIR]`. Prints a Markdown
+table; K* is in it if kstar-planner (PyPI, GPLv3) is installed. Every count that both end with
+must be the same.
 """
 
+import importlib.util
 import json
 import resource
 import subprocess
@@ -17,9 +19,9 @@ from mirror_explainer.commands.options import whole
 from mirror_explainer.commands.terminal import command_parser, tell_error
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.dataset import listed_locations
-from mirror_explainer.experiments.planning.cases import pucrs_instance
+from mirror_explainer.experiments.markdown import worded_table
+from mirror_explainer.experiments.planning.cases import problem_of, pucrs_instance
 from mirror_explainer.experiments.planning.robots import robots
-from mirror_explainer.experiments.planning.scale import problem_of
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 
 _MOST_PLANS = 300
@@ -82,12 +84,52 @@ def _processor_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def line(name: str, one: Found, other: Found) -> str:
-    """Return a row of the table. Raises AssertionError where the counts differ."""
-    assert not (one.ended and other.ended) or one.plans == other.plans, (name, one, other)
-    cells = [f'{", ".join(map(str, f.plans))} | {f.seconds:.2f}' for f in (one, other)]
-    ends = [' (unended)' * (not f.ended) for f in (one, other)]
-    return f'| {name} | {cells[0]}{ends[0]} | {cells[1]}{ends[1]} |'
+@dataclass(frozen=True)
+class Row:
+    """What both found for a task's goals; K*'s is None if it is not installed.
+
+    Raises AssertionError where the counts differ.
+    """
+
+    name: str
+    here: Found
+    kstar: Found | None
+
+    def __post_init__(self) -> None:
+        if self.both_ended:
+            assert self.kstar is not None
+            assert self.here.plans == self.kstar.plans, self
+
+    @property
+    def both_ended(self) -> bool:
+        """Whether both found all plans, or as many as were asked for."""
+        return self.kstar is not None and self.here.ended and self.kstar.ended
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Return what was found as Markdown, and what that comes to."""
+    both = [(row.here, row.kstar) for row in rows if row.kstar]
+    headings = ['task', 'plans, here', 's', *(['plans, K*', 's'] if both else [])]
+
+    def cells(found: Found) -> tuple[str, str]:
+        ended = '' if found.ended else ' (not ended)'
+        return ', '.join(map(str, found.plans)), f'{found.seconds:.2f}{ended}'
+
+    lines = [
+        (row.name, *cells(row.here), *(cells(row.kstar) if row.kstar else ())) for row in rows
+    ]
+    told = worded_table(headings, lines)
+    if not both:
+        return f'{told}\n\nLeft out, since not installed: K* (kstar-planner).'
+    unended = [sum(not found.ended for found in each) for each in zip(*both, strict=True)]
+    return (
+        f'{told}\n\nOf {len(both)} tasks {unended[0]} did not end here, {unended[1]} not with K*; '
+        'where both ended, all counts agree. Quicker: here '
+        f'{sum(here.seconds < other.seconds for here, other in both)}, K* '
+        f'{sum(here.seconds > other.seconds for here, other in both)}. Together: here '
+        f'{sum(here.seconds for here, _ in both):.0f} s, K* '
+        f'{sum(other.seconds for _, other in both):.0f} s.'
+    )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -112,10 +154,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if options.only in found.name:
                 space = BeliefSpace(found.domain, found.problem, found.goals)
                 spaces.append((found.name, space, frozenset()))
-        print('| task | plans, here | s | plans, K* | s |\n|:--|--:|--:|--:|--:|')
+        installed = importlib.util.find_spec('kstar_planner') is not None
+        rows = []
         for name, space, facts in spaces:
             beliefs = [Belief(goal, facts) for goal in range(len(space.goals))][: options.goals]
-            print(line(name, ours(space, beliefs), kstar(space, beliefs)), flush=True)
+            other = kstar(space, beliefs) if installed else None
+            rows.append(Row(name, ours(space, beliefs), other))
+            print(rows[-1], file=sys.stderr)
+        print(table(rows))
     except (InputError, PlanningError, subprocess.CalledProcessError, OSError) as error:
         tell_error('further', error)
         return 2

@@ -33,7 +33,6 @@ from mirror_explainer.experiments.planning.plans_scenes import (
 )
 from mirror_explainer.experiments.planning.plans_tables import (
     COUNTS,
-    SIZES,
     Choice,
     Cold,
     cold_table,
@@ -51,6 +50,7 @@ from mirror_explainer.planning import BeliefPlans, BeliefSpace, Planner
 from mirror_explainer.selection.choice import most_informative
 
 REFEREE = 1000
+_SIZES = (1, 2, 3, 4)  # how many sentences are said
 _TIMED_FACTS = 4
 _BUDGET = 2.0  # seconds for one selection
 
@@ -106,7 +106,7 @@ def choices(planner: Planner, scene: Scene, renamings: int) -> Iterator[Choice]:
     """Yield what is said with each number of plans, and with each number of sentences."""
     listener = Listener(planner, scene)
     referee = listener.model(REFEREE)
-    sizes = [size for size in SIZES if size <= len(scene.plan.actions)]
+    sizes = [size for size in _SIZES if size <= len(scene.plan.actions)]
     best = {size: referee.information_gain(listener.said(REFEREE, size)) for size in sizes}
     others = [
         Listener(planner, renamed(scene, Random(f'{scene.name} {number}')))
@@ -138,9 +138,9 @@ def cold(domain: str, space: BeliefSpace, count: int) -> Cold:
     return Cold(domain, count, seconds, report.planner_calls)
 
 
-def _easy_instances(dataset: Path, limit: int) -> list[Location]:
-    """Return the instances that optimal planning finishes, some of each domain."""
-    found = listed_locations(dataset, hard=False)
+def _easy_instances(dataset: Path, limit: int, named: str) -> list[Location]:
+    """Return the instances so named that optimal planning finishes, some of each domain."""
+    found = [where for where in listed_locations(dataset, hard=False) if named in where.name]
     domains = [location.domain for location in found]
     return [
         location
@@ -151,7 +151,8 @@ def _easy_instances(dataset: Path, limit: int) -> list[Location]:
 
 def _said(options: argparse.Namespace, locations: Sequence[Location]) -> Iterator[Choice]:
     """Yield the choices in the warehouse and in the instances there."""
-    for location in (None, *locations):
+    own = [None] if options.problems in 'warehouse' else []
+    for location in (*own, *locations):
         name = location.name if location else 'warehouse'
         _tell(name)
         with Planner(planning_timeout=30.0) as planner:
@@ -168,14 +169,13 @@ def _said(options: argparse.Namespace, locations: Sequence[Location]) -> Iterato
 
 def _timed(options: argparse.Namespace, locations: Sequence[Location]) -> Iterator[Cold]:
     """Yield the times in the warehouse and in the instances there."""
-    instances = [('warehouse', warehouse())]
-    instances += [(where.domain, pucrs_instance(where, options.pucrs)) for where in locations]
-    for domain, instance in instances:
+    known = [warehouse()] if options.problems in 'warehouse' else []
+    for instance in (*known, *(pucrs_instance(where, options.pucrs) for where in locations)):
         _tell(f'time of {instance.name}')
         with Planner() as planner:
             case = uncertain_case(planner, instance, _TIMED_FACTS, Random(instance.name))
         for count in COUNTS:
-            yield cold(domain, case.space, count)
+            yield cold(instance.domain_name, case.space, count)
 
 
 def _tell(text: str) -> None:
@@ -196,10 +196,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _measure(options: argparse.Namespace) -> None:
-    locations = _easy_instances(options.pucrs, options.limit) if options.pucrs else []
+    locations = (
+        _easy_instances(options.pucrs, options.limit, options.problems) if options.pucrs else []
+    )
     if options.only != 'times':
         said = list(_said(options, locations))
-        print('Information gain lost, in nats, under a referee that knows all plans:\n')
+        print('Information gain lost under a referee that knows all: share, and worst in nats:\n')
         print(regret_table(said))
         print('\nHow often renaming the objects changes what is said:\n')
         print(renaming_table(said), flush=True)
@@ -218,6 +220,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--pucrs', type=Path, help='folder of the PUCRS instances')
     parser.add_argument('--limit', type=whole(1), default=1000, help='instances of each domain')
+    parser.add_argument('--problems', default='', help='only those whose name contains this')
     parser.add_argument('--renamings', type=whole(0), default=2, help='of the objects, a scene')
     parser.add_argument('--only', choices=['choices', 'times'], help='measure these alone')
     return parser

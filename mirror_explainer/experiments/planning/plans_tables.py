@@ -3,9 +3,11 @@
 import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
+
+from mirror_explainer.experiments.markdown import worded_table
 
 COUNTS = (1, 3, 10, 30, 100, 300)
-SIZES = (1, 2, 3, 4)
 
 
 @dataclass(frozen=True)
@@ -34,64 +36,50 @@ class Cold:
     searches: int
 
 
+_Found = TypeVar('_Found', Choice, Cold)
+
+
 def regret_table(found: Sequence[Choice]) -> str:
-    """Return the regret as Markdown: mean and worst in nats, and share of the referee's best."""
-    lines = [
-        '| domain | plans a belief | '
-        + ' | '.join(f'N = {size}: mean, worst' for size in SIZES)
-        + ' | share of the best |',
-        '|---|---' + '|---' * (len(SIZES) + 1) + '|',
-    ]
-    for domain in _domains(found):
-        for count in COUNTS:
-            own = [c for c in found if (c.domain, c.count) == (domain, count)]
-            cells = [_nats([c.regret for c in own if c.size == size]) for size in SIZES]
-            lines.append(f'| {domain} | {count} | {" | ".join(cells)} | {_share(own):.1%} |')
-    return '\n'.join(lines)
+    """Return the regret as Markdown: the share of the referee's best, and the worst in nats."""
 
+    def lost(own: Sequence[Choice]) -> str:
+        best = sum(choice.best for choice in own)
+        share = sum(choice.regret for choice in own) / best if best > 0 else 0.0
+        return f'{share:.1%} ({max(choice.regret for choice in own):.2f})'
 
-def _nats(regrets: Sequence[float]) -> str:
-    return f'{statistics.mean(regrets):.2f}, {max(regrets):.2f}' if regrets else '–'
-
-
-def _share(found: Sequence[Choice]) -> float:
-    """Return the summed regret as a share of the summed best."""
-    best = sum(choice.best for choice in found)
-    return sum(choice.regret for choice in found) / best if best > 0 else 0.0
+    return _by_count(found, lost)
 
 
 def renaming_table(found: Sequence[Choice]) -> str:
     """Return how often renaming the objects changes the sentences said, as Markdown."""
 
-    def changed(domain: str, count: int) -> str:
-        own = [c.changed for c in found if c.count == count and domain in (c.domain, 'all')]
-        cases = [each for one in own for each in one]
+    def changed(own: Sequence[Choice]) -> str:
+        cases = [each for one in own for each in one.changed]
         return f'{statistics.mean(cases):.1%} of {len(cases)}' if cases else '–'
 
-    return _by_count([*_domains(found), 'all'], changed)
+    return _by_count(found, changed)
 
 
 def cold_table(found: Sequence[Cold]) -> str:
     """Return the seconds of cold planning, as Markdown."""
 
-    def seconds(domain: str, count: int) -> str:
-        own = [c for c in found if c.count == count and domain in (c.domain, 'all')]
-        times = [c.seconds for c in own]
-        searches = statistics.median(c.searches for c in own)
+    def seconds(own: Sequence[Cold]) -> str:
+        times = [one.seconds for one in own]
+        searches = statistics.median(one.searches for one in own)
         return f'{statistics.median(times):.2f}, {max(times):.2f} ({searches:.0f})'
 
-    return _by_count([*dict.fromkeys(c.domain for c in found), 'all'], seconds)
+    return _by_count(found, seconds)
 
 
-def _domains(found: Sequence[Choice]) -> list[str]:
-    return list(dict.fromkeys(choice.domain for choice in found))
-
-
-def _by_count(domains: Sequence[str], cell: Callable[[str, int], str]) -> str:
-    lines = [
-        f'| domain | {" | ".join(f"k = {count}" for count in COUNTS)} |',
-        '|---' * (len(COUNTS) + 1) + '|',
-    ]
-    for domain in domains:
-        lines.append(f'| {domain} | {" | ".join(cell(domain, count) for count in COUNTS)} |')
-    return '\n'.join(lines)
+def _by_count(found: Sequence[_Found], cell: Callable[[Sequence[_Found]], str]) -> str:
+    """Return a row for each domain, and one for all, with a cell for each count of plans."""
+    domains = [*dict.fromkeys(one.domain for one in found), 'all']
+    rows = (
+        [domain]
+        + [
+            cell([one for one in found if one.count == count and domain in (one.domain, 'all')])
+            for count in COUNTS
+        ]
+        for domain in domains
+    )
+    return worded_table(['domain', *(f'k = {count}' for count in COUNTS)], rows)

@@ -15,11 +15,15 @@ Grid = list[list[str]]
 
 @dataclass(frozen=True)
 class Robot:
-    """A family's member: its beliefs, those with all uncertain facts first for each goal."""
+    """A family's member: its beliefs, those with all uncertain facts first for each goal.
+
+    Of the uncertain facts in `group` exactly one holds.
+    """
 
     name: str
     space: BeliefSpace
     beliefs: tuple[Belief, ...]
+    group: tuple[str, ...] = ()
 
 
 def robots(seed: int = 0) -> list[Robot]:
@@ -59,7 +63,7 @@ def _robot(
         for true in itertools.combinations(uncertain, size)
         for one in itertools.product(*([group] if group else []))
     )
-    return Robot(name, space, tuple(beliefs))
+    return Robot(name, space, tuple(beliefs), tuple(group))
 
 
 def _domain(predicates: str, *actions: tuple[str, str, str, str], types: str = '') -> str:
@@ -106,6 +110,7 @@ def _fetching(
     gates: int,
     *,
     one_hand: bool = False,
+    group: Sequence[str] = (),
     seed: int,
 ) -> Robot:
     """A robot that brings things home; gates may be open; with one hand it carries one."""
@@ -142,6 +147,7 @@ def _fetching(
         facts,
         [f'(and {" ".join(f"(brought {thing})" for thing in each)})' for each in wanted],
         [f'(open {g})' for g in barriers],
+        group,
     )
 
 
@@ -219,15 +225,9 @@ def _parts(count: int, goals: int, seed: int) -> Robot:
 
 def _shelves(shelves: int, goals: int, seed: int) -> Robot:
     """A warehouse: on which shelf one of the things lies is not known."""
-    plain = _fetching(f'{shelves} shelves', 4 * shelves // 3, 2, goals, 0, seed=seed)
-    places = _grid(4 * shelves // 3)[0][1 : shelves + 1]
-    group = [f'(lies t0 {place})' for place in places]
-    goal_texts = plain.space.goals
-    beliefs = tuple(
-        Belief(goal, frozenset([fact])) for goal in range(len(goal_texts)) for fact in group
-    )
-    space = BeliefSpace(plain.space.domain, plain.space.problem, goal_texts, tuple(group))
-    return Robot(plain.name, space, beliefs)
+    places = 4 * shelves // 3
+    group = [f'(lies t0 {place})' for place in _grid(places)[0][1 : shelves + 1]]
+    return _fetching(f'{shelves} shelves', places, 2, goals, 0, group=group, seed=seed)
 
 
 def _drone(side: int, goals: int, seed: int) -> Robot:

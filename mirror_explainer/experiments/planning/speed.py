@@ -1,7 +1,7 @@
 """How long planning for 64 beliefs takes, beside one unified-planning call a belief.
 
 Run as `python3 -m mirror_explainer.experiments.planning.speed --pucrs DIR`; without
-DIR, for the warehouse alone. Prints a Markdown table.
+DIR, for the warehouse alone. Prints Markdown tables.
 """
 
 import argparse
@@ -33,6 +33,7 @@ from mirror_explainer.experiments.planning.cases import (
 from mirror_explainer.experiments.planning.speed_tables import (
     HardRow,
     Row,
+    domains_table,
     draw,
     hard_table,
     table,
@@ -62,6 +63,7 @@ def measure(instance: Instance, sample: int) -> Row:
             assert costs[belief] == cost, (instance.name, belief, costs[belief], cost)
             seconds.append(took)
     return Row(
+        instance.domain_name,
         instance.name,
         len(report.results),
         statistics.mean(seconds) * len(report.results),
@@ -90,8 +92,13 @@ def measure_hard(instance: Instance, deadline: float) -> HardRow:
     )
 
 
-def naive(space: BeliefSpace, beliefs: Sequence[Belief]) -> Iterator[tuple[float, float | None]]:
-    """Yield the seconds of one unified-planning call for each belief, and the cost found."""
+def naive(
+    space: BeliefSpace, beliefs: Sequence[Belief], timeout: float | None = None
+) -> Iterator[tuple[float, float | None]]:
+    """Yield the seconds of one unified-planning call for each belief, and the cost found.
+
+    A call is ended after `timeout` seconds.
+    """
     model = pddl.read_task(space.domain, space.problem).model
     get_environment().credits_stream = None
     warnings.simplefilter('ignore')
@@ -104,7 +111,7 @@ def naive(space: BeliefSpace, beliefs: Sequence[Belief]) -> Iterator[tuple[float
         problem.clear_goals()
         problem.add_goal(pddl.goal_expression(problem, space.goals[belief.goal]))
         with OneshotPlanner(name='fast-downward-opt') as engine:
-            plan = engine.solve(problem).plan
+            plan = engine.solve(problem, timeout=timeout).plan
         seconds = time.perf_counter() - began
         # The data set has no action costs, the demo neither: the cost is the length.
         yield seconds, None if plan is None else float(len(plan.actions))
@@ -144,7 +151,7 @@ def _measure_all(options: argparse.Namespace) -> None:
             'Cold: the problem is new, the process is up; to start that and plan for one belief '
             f'takes {start_seconds():.2f} s.\n'
         )
-        print(table(rows))
+        print(f'{table(rows)}\n\nMedians:\n\n{domains_table(rows)}')
         if options.figure:
             draw(rows, options.figure)
     hard = _instances(options, hard=True)

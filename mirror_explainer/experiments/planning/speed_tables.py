@@ -1,9 +1,11 @@
 """What was measured of planning, as Markdown tables and a figure."""
 
-import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
+
+from mirror_explainer.experiments.markdown import worded_table
 
 
 @dataclass(frozen=True)
@@ -15,6 +17,7 @@ class Row:
     `calls` and `searching` are the searches of the cold one, and the time in them.
     """
 
+    domain: str
     name: str
     beliefs: int
     naive: float
@@ -24,6 +27,11 @@ class Row:
     searching: float
     many: float
     compared: int
+
+    @property
+    def faster(self) -> float:
+        """How many times less ours takes for a new problem."""
+        return self.naive / self.cold
 
 
 @dataclass(frozen=True)
@@ -39,44 +47,90 @@ class HardRow:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Return the measurements as Markdown."""
-    lines = [
-        '| instance | beliefs | one call a belief, s | cold, s | times faster | searches | '
-        'searching, share | after a step, s | 2⁸ states, s | costs compared |',
-        '|---|---|---|---|---|---|---|---|---|---|',
-    ]
-    for row in rows:
-        lines.append(
-            f'| {row.name} | {row.beliefs} | {row.naive:.1f} | {row.cold:.3f} | '
-            f'{row.naive / row.cold:.0f} | {row.calls} | {row.searching / row.cold:.0%} | '
-            f'{row.step:.3f} | {row.many:.3f} | {row.compared} |'
-        )
-    faster = [row.naive / row.cold for row in rows]
-    cold = [row.cold for row in rows]
-    lines.append(
-        f'\n{len(rows)} instances: {statistics.median(faster):.0f} times faster in the median, '
-        f'{min(faster):.0f} at least; cold {statistics.median(cold):.3f} s in the median, '
-        f'{max(cold):.3f} s at most; after a step '
-        f'{statistics.median(row.step for row in rows):.3f} s in the median; 2⁸ initial states '
-        f'take {statistics.median(row.many / row.cold for row in rows):.1f} times as long as 2⁴ '
-        f'in the median, {max(row.many / row.cold for row in rows):.1f} at most. '
-        f'{sum(row.compared for row in rows)} costs compared, none different.'
+    """Return the measurements of every instance as Markdown, and what they come to."""
+    headings = (
+        'instance',
+        'beliefs',
+        'one call a belief, s',
+        'cold, s',
+        'times faster',
+        'searches',
+        'searching, share',
+        'after a step, s',
+        '2⁸ states, s',
+        'costs compared',
     )
-    return '\n'.join(lines)
+    lines = [
+        (
+            row.name,
+            row.beliefs,
+            f'{row.naive:.1f}',
+            f'{row.cold:.3f}',
+            f'{row.faster:.0f}',
+            row.calls,
+            f'{row.searching / row.cold:.0%}',
+            f'{row.step:.3f}',
+            f'{row.many:.3f}',
+            row.compared,
+        )
+        for row in rows
+    ]
+    faster = [row.faster for row in rows]
+    cold = [row.cold for row in rows]
+    more = [row.many / row.cold for row in rows]
+    return (
+        f'{worded_table(headings, lines)}\n\n'
+        f'{len(rows)} instances: {median(faster):.0f} times faster in the median, '
+        f'{min(faster):.0f} at least; cold {median(cold):.3f} s in the median, '
+        f'{max(cold):.3f} s at most, {median(row.searching / row.cold for row in rows):.0%} of it '
+        f'searching; after a step {median(row.step for row in rows):.3f} s in the median; 2⁸ '
+        f'initial states take {median(more):.1f} times as long as 2⁴ in the median, '
+        f'{max(more):.1f} at most. {sum(row.compared for row in rows)} costs compared, none '
+        'different.'
+    )
+
+
+def domains_table(rows: Sequence[Row]) -> str:
+    """Return the medians over each domain's instances as Markdown."""
+    headings = (
+        'domain',
+        'problems',
+        'one call a belief, s',
+        'here, s',
+        'times faster',
+        'searches',
+        'after a step, s',
+        '2⁸ states, s',
+        'searching, share',
+    )
+
+    def cells(domain: str) -> tuple[object, ...]:
+        own = [row for row in rows if row.domain == domain]
+        faster = [row.faster for row in own]
+        return (
+            domain,
+            len(own),
+            f'{median(row.naive for row in own):.1f}',
+            f'{median(row.cold for row in own):.3f}',
+            f'{median(faster):.0f} (least {min(faster):.0f})',
+            f'{median(row.calls for row in own):.0f}',
+            f'{median(row.step for row in own):.3f}',
+            f'{median(row.many for row in own):.2f}',
+            f'{median(row.searching / row.cold for row in own):.0%}',
+        )
+
+    return worded_table(headings, map(cells, dict.fromkeys(row.domain for row in rows)))
 
 
 def hard_table(rows: Sequence[HardRow]) -> str:
     """Return what the deadline leaves of the instances that optimal planning cannot finish."""
-    lines = [
-        '| hard instance | beliefs | seconds | solved | unsolvable | unknown |',
-        '|---|---|---|---|---|---|',
-    ]
-    for row in rows:
-        lines.append(
-            f'| {row.name} | {row.beliefs} | {row.seconds:.1f} | {row.solved} | '
-            f'{row.unsolvable} | {row.unknown} |'
-        )
-    return '\n'.join(lines)
+    return worded_table(
+        ('hard instance', 'beliefs', 'seconds', 'solved', 'unsolvable', 'unknown'),
+        [
+            (row.name, row.beliefs, f'{row.seconds:.1f}', row.solved, row.unsolvable, row.unknown)
+            for row in rows
+        ],
+    )
 
 
 def draw(rows: Sequence[Row], path: Path) -> None:
