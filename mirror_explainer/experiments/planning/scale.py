@@ -113,17 +113,23 @@ def _call(space: BeliefSpace, beliefs: Sequence[Belief], limit: float) -> list[f
 
 
 def _answered(robot: Robot, plan: Sequence[str]) -> float:
-    """Return the seconds from a robot's texts to an answer with nothing planned."""
+    """Return the seconds from a robot's texts to an answer with nothing planned.
+
+    The second time: what a process loads once is not counted.
+    """
     space, belief = robot.space, robot.beliefs[0]
     goals = tuple(CandidateGoal(goal, goal, 1 / len(space.goals)) for goal in space.goals)
     facts = dict.fromkeys(sorted({*space.uncertain_facts} - {*robot.group}), 0.8)
     groups = (dict.fromkeys(robot.group, 1 / len(robot.group)),) if robot.group else ()
     problem, steps = problem_of(space, belief), '\n'.join(plan)
-    began = time.perf_counter()
-    task = read_task(space.domain, problem)
-    user_model = UserModel(goals, facts, groups)
-    explain(prepare(task, robot_plan(task, steps), user_model))
-    return time.perf_counter() - began
+    took = 0.0
+    for _ in range(2):
+        began = time.perf_counter()
+        task = read_task(space.domain, problem)
+        user_model = UserModel(goals, facts, groups)
+        explain(prepare(task, robot_plan(task, steps), user_model))
+        took = time.perf_counter() - began
+    return took
 
 
 def _searches(robot: Robot, limit: float) -> Searches:

@@ -136,7 +136,12 @@ def draw(rows: Sequence[Row], path: Path) -> None:
     panels = figure.subplots(1, len(families), sharey=True, squeeze=False)[0]
     for axes, (family, own) in zip(panels, families.items(), strict=True):
         for label, colour, style, values in (
-            ('one call a belief (extrapolated)', '#d55e00', 's--', [row.naive for row in own]),
+            (
+                'one call a belief (extrapolated; at least)',
+                '#d55e00',
+                's--',
+                [row.naive for row in own],
+            ),
             ('all first plans', '#009e73', 'o-', [row.all for row in own]),
             ('all first plans, after a step', '#0072b2', 'x-', [row.step for row in own]),
             ('first plan', '#cc79a7', '^:', [row.first for row in own]),
