@@ -1,0 +1,63 @@
+"""`scripts/ask.py`: asks as a person would, and tells at once what keeps the answer waiting."""
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from patience import PATIENCE, eventually
+
+pytest.importorskip('rclpy', reason='needs ROS 2')
+
+from ros_peer import Peer, explainer
+
+pytestmark = pytest.mark.usefixtures('ros')
+
+SCRIPT = Path(__file__).parents[2] / 'scripts' / 'ask.py'
+
+
+@contextmanager
+def asking(peer: Peer, log: Path) -> Iterator[subprocess.Popen]:
+    """Run the script in the peer's namespace."""
+    words = [sys.executable, SCRIPT, '--ros-args', '-r', f'__ns:={peer.node.get_namespace()}']
+    with log.open('w') as output:
+        process = subprocess.Popen(
+            words,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
+        try:
+            yield process
+        finally:
+            process.kill()
+            process.wait()
+
+
+def test_a_fault_is_told_while_it_asks_on_and_the_answer_once_it_is_mended(
+    peer: Peer, tmp_path: Path
+) -> None:
+    log = tmp_path / 'asked.txt'
+    with explainer(peer, tmp_path), asking(peer, log) as process:
+        peer.publish_warehouse()
+        peer.publish('plan', '(fly left)')
+        eventually(lambda: 'the domain has no action "fly"' in log.read_text(), 'the fault')
+        assert process.poll() is None
+        peer.publish_warehouse()
+        assert process.wait(PATIENCE) == 0
+
+    assert log.read_text().count('"fly"') == 1
+    assert 'Robot: "I will exit from the bottom door."' in log.read_text()
+
+
+def test_ctrl_c_ends_it_quietly_while_it_waits_for_the_node(peer: Peer, tmp_path: Path) -> None:
+    log = tmp_path / 'asked.txt'
+    with asking(peer, log) as process:
+        eventually(lambda: 'is the explainer running?' in log.read_text(), 'a word of it')
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 130
+
+    assert len(log.read_text().splitlines()) == 1
