@@ -84,8 +84,8 @@ def succeeding(client) -> Trigger.Response | None:
         done = threading.Event()
         future = client.call_async(Trigger.Request())
         future.add_done_callback(lambda _, done=done: done.set())
-        if not done.wait(TIMEOUT):
-            break
+        if not done.wait(TIMEOUT / 4):
+            continue  # it was lost: the explainer did not know this client yet
         answer = future.result()
         if answer.success:
             return answer
