@@ -4,18 +4,19 @@ import argparse
 from collections.abc import Callable, Sequence
 
 import rclpy
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.utilities import remove_ros_args
 
 from mirror_explainer.errors import InputError, told
+from mirror_explainer.node.start import parsed, refuse
 
 
 def run(
     robot: Callable[[], Node], parser: argparse.ArgumentParser, args: Sequence[str] | None
 ) -> None:
     """Run a robot; what is wrong with its input ends it with one sentence of the parser's."""
-    parser.parse_args(remove_ros_args(args)[1:])
+    parsed(parser, args)
     rclpy.init(args=args)
     node = None
     try:
@@ -27,6 +28,8 @@ def run(
         pass
     except InputError as error:
         parser.error(told(error))
+    except ParameterException as error:
+        refuse(parser, error)
     finally:
         if node is not None:
             node.destroy_node()

@@ -25,7 +25,6 @@ from rclpy.logging import LoggingSeverity, get_logging_directory
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -41,7 +40,7 @@ from mirror_explainer.node.parameters import (
     unknown_parameters,
 )
 from mirror_explainer.node.ros_log import RosLog
-from mirror_explainer.node.start import argument_parser, write_fault
+from mirror_explainer.node.start import argument_parser, parsed, refuse, write_fault
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)
@@ -229,10 +228,7 @@ def _spin_once(executor: Executor) -> None:
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
     parser = argument_parser()
-    try:
-        options = parser.parse_args(remove_ros_args(args)[1:])
-    except RCLError as error:
-        parser.error(str(error).split(', at /')[0].strip())
+    options = parsed(parser, args)
     log_fault = write_fault(get_logging_directory())
     if log_fault:  # a full disk must not keep the node from starting
         args = [*(sys.argv if args is None else args), '--ros-args', '--disable-external-lib-logs']
@@ -251,7 +247,7 @@ def main(args: Sequence[str] | None = None) -> None:
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ParameterException as error:
-        parser.error(str(error))
+        refuse(parser, error)
     except RCLError:
         if rclpy.ok():  # otherwise a signal came just before the executor waited
             raise

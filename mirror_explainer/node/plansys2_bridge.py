@@ -13,10 +13,10 @@ from typing import Any
 import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_action_status_default
-from rclpy.utilities import remove_ros_args
 from std_msgs.msg import Empty, String
 
 from mirror_explainer.errors import InputError, told
@@ -31,6 +31,7 @@ from mirror_explainer.node.plansys2_execution import (
     goal_of,
 )
 from mirror_explainer.node.plansys2_messages import Messages, plansys2_messages
+from mirror_explainer.node.start import parsed, refuse
 from mirror_explainer.node.surroundings import package_version
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -292,14 +293,15 @@ def main(args: Sequence[str] | None = None) -> None:
         'for the robot whose PlanSys2 runs in the namespace /robot.',
     )
     parser.add_argument('--version', action='version', version=f'%(prog)s {package_version()}')
-    parser.parse_args(remove_ros_args(args)[1:])
+    parsed(parser, args)
     try:
         messages = plansys2_messages()
     except InputError as error:
         parser.error(told(error))
     rclpy.init(args=args)
-    node = Plansys2Bridge(messages)
+    node = None
     try:
+        node = Plansys2Bridge(messages)
         while rclpy.ok():
             try:
                 # Not `spin`: a signal that comes just before it waits would not wake it.
@@ -308,8 +310,11 @@ def main(args: Sequence[str] | None = None) -> None:
                 node.get_logger().error(f'a message of PlanSys2 is no text: {error}')
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except ParameterException as error:
+        refuse(parser, error)
     finally:
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
 
 

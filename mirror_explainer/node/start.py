@@ -3,6 +3,12 @@
 import argparse
 import os
 import tempfile
+from collections.abc import Sequence
+from typing import NoReturn
+
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.exceptions import InvalidParameterTypeException, ParameterException
+from rclpy.utilities import remove_ros_args
 
 from mirror_explainer.node.surroundings import package_version
 
@@ -26,6 +32,20 @@ def argument_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action='version', version=f'%(prog)s {package_version()}')
     return parser
+
+
+def parsed(parser: argparse.ArgumentParser, args: Sequence[str] | None) -> argparse.Namespace:
+    """Return what of a command line is not for ROS; what ROS cannot read ends the program."""
+    try:
+        return parser.parse_args(remove_ros_args(args)[1:])
+    except RCLError as error:
+        parser.error(str(error).split(', at /')[0].strip())
+
+
+def refuse(parser: argparse.ArgumentParser, error: ParameterException) -> NoReturn:
+    """End the program for a parameter that its node cannot take."""
+    decimal = isinstance(error, InvalidParameterTypeException) and "'DOUBLE'" in str(error)
+    parser.error(f'{error}{" (write a decimal with its point, as in 4.0)" if decimal else ""}')
 
 
 def write_fault(folder: str) -> OSError | None:

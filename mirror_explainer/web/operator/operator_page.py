@@ -17,6 +17,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.client import Client
+from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
@@ -24,13 +25,13 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.terminal import command_parser, tell_error
 from mirror_explainer.errors import InputError
+from mirror_explainer.node.start import parsed, refuse
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.operator.heard import (
     SETTINGS,
@@ -218,7 +219,7 @@ def main(args: Sequence[str] | None = None) -> int:
         ends='Remappings and the like follow --ros-args.',
     )
     add_address_arguments(parser, PORT)
-    options = parser.parse_args(remove_ros_args(argv)[1:])
+    options = parsed(parser, argv)
     try:
         require_extras('web')
     except MissingExtras as error:
@@ -231,7 +232,11 @@ def main(args: Sequence[str] | None = None) -> int:
     # The server takes the signals, and everything ends when it does.
     rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
     executor = SingleThreadedExecutor()
-    node = OperatorPage()
+    try:
+        node = OperatorPage()
+    except ParameterException as error:
+        rclpy.try_shutdown()
+        refuse(parser, error)
     executor.add_node(node)
     thread = threading.Thread(target=_spin, args=[executor, node], name='ros')
     thread.start()
