@@ -1,7 +1,8 @@
 """A small robot stack for demo and tests: it carries out its plan in the warehouse.
 
 After every step it republishes its problem, with the state as it now is, and the plan
-that remains, as a robot's own stack may; or the plan once, and then only its state.
+that remains, as a robot's own stack may; or the plan once, and then only its state. It tells
+its progress, too, if it is to.
 """
 
 from collections import deque
@@ -34,14 +35,17 @@ class WarehouseRobot(Node):
         * **domain**: once
         * **problem**: with the state as it is after each step
         * **plan**: what is left of it, or, once for all, all of it (`plan_once`)
+        * **progress**: the steps that are done, and the one that goes on (`tell_progress`)
 
     Services:
-        * **~/restart** (std_srvs/Trigger): begin again, wherever it is
+        * **~/restart** (std_srvs/Trigger): begin again, wherever it is; where progress is told,
+          which never goes back, only once all is done
 
     Parameters, all read-only:
         * **domain_file**, **problem_file**, **plan_file**: another robot than the example
         * **step_period** (s): 0, the default, is to stand still
         * **plan_once**: publish the plan at the beginning only, and then nothing but the state
+        * **tell_progress**: tell which steps are done, and which one goes on
 
     Raises InputError for files that cannot be read, or a plan that cannot be carried out.
     """
@@ -61,24 +65,19 @@ class WarehouseRobot(Node):
                 read_only=True,
             ),
         ).value
-        self._plan_once = self.declare_parameter(
-            'plan_once',
-            False,
-            ParameterDescriptor(
-                description='publish the plan once, and then only the state', read_only=True
-            ),
-        ).value
+        self._plan_once = self._flag('plan_once', 'publish the plan once, and then only the state')
+        tells = self._flag('tell_progress', 'tell which steps are done, and which one goes on')
         domain, problem = read_text(domain_file), read_text(problem_file)
         task = read_task(domain, problem, domain_file, problem_file)
         self._steps = read_plan(read_text(plan_file), plan_file)
         run = check_plan(task, self._steps, plan_file)
-        # The steps in the order in which they end, and the problem after each.
+        # The steps, by position, in the order in which they end, and the problem after each.
         problems = (with_state(problem, state) for state in run.states[1:])
-        steps = [self._steps[position] for position in run.positions]
-        self._run = list(zip(steps, problems, strict=True))
+        self._run = list(zip(run.positions, problems, strict=True))
         self._initial = problem
         self._domain = self.create_publisher(String, 'domain', LATCHED)
         self._problem = self.create_publisher(String, 'problem', LATCHED)
+        self._progress = self.create_publisher(String, 'progress', LATCHED) if tells else None
         self._plan = self.create_publisher(String, 'plan', LATCHED)
         self._domain.publish(String(data=domain))
         # Not the node's clock, which stands still when the system's is set back.
@@ -95,35 +94,55 @@ class WarehouseRobot(Node):
         path: str = self.declare_parameter(name, str(default), descriptor).value
         return path
 
+    def _flag(self, name: str, description: str) -> bool:
+        """Return what a parameter says that is false by default."""
+        descriptor = ParameterDescriptor(description=description, read_only=True)
+        value: bool = self.declare_parameter(name, False, descriptor).value
+        return value
+
     def _begin(self) -> None:
         """Publish the initial state and the whole plan; the first step takes its time."""
-        self._left = list(self._steps)
         self._ahead = deque(self._run)
         self._problem.publish(String(data=self._initial))
+        self._publish_progress()
         self._publish_plan()
         if self._timer is not None:
             self._timer.reset()
 
     def _on_restart(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._begin()
-        self.get_logger().info('began again')
-        response.success = True
+        response.success = not (self._progress and self._ahead)
+        if response.success:
+            self._begin()
+            self.get_logger().info('began again')
+        else:
+            response.message = 'progress that was told never goes back: wait for the end'
         return response
 
     def _step(self) -> None:
         """Carry out the first action of the plan that remains, if one does."""
         if not self._ahead:
             return
-        step, problem = self._ahead.popleft()
-        self._left.remove(step)
-        self.get_logger().info(f'did {step.action}')
+        position, problem = self._ahead.popleft()
+        self.get_logger().info(f'did {self._steps[position].action}')
         self._problem.publish(String(data=problem))
+        self._publish_progress()
         if not self._plan_once:
             self._publish_plan()
 
     def _publish_plan(self) -> None:
         """Publish the plan that remains."""
-        self._plan.publish(String(data='\n'.join(map(_line, self._left))))
+        left = sorted(position for position, _ in self._ahead)
+        self._plan.publish(String(data='\n'.join(_line(self._steps[p]) for p in left)))
+
+    def _publish_progress(self) -> None:
+        """Publish the steps that are done and, if it does not stand still, the one after them."""
+        if self._progress is None:
+            return
+        done = {*range(len(self._steps))}.difference(position for position, _ in self._ahead)
+        lines = [f'done: {self._steps[position].action}' for position in sorted(done)]
+        if self._timer and self._ahead:
+            lines.append(f'running: {self._steps[self._ahead[0][0]].action}')
+        self._progress.publish(String(data='\n'.join(lines)))
 
 
 def _line(step: Step) -> str:
@@ -140,10 +159,10 @@ def main(args: Sequence[str] | None = None) -> None:
         'warehouse_robot',
         'Publish a domain, a problem and a plan, and carry the plan out.',
         f'{command} --ros-args -p step_period:=5.0',
-        f'{command} --ros-args -p step_period:=5.0 -p plan_once:=true',
+        f'{command} --ros-args -p step_period:=5.0 -p tell_progress:=true',
         'ros2 service call /warehouse_robot/restart std_srvs/srv/Trigger',
-        ends='Parameters follow --ros-args: step_period, plan_once, and domain_file, problem_file '
-        'and plan_file for another robot than the example.',
+        ends='Parameters follow --ros-args: step_period, plan_once, tell_progress, and domain_file, '
+        'problem_file and plan_file for another robot than the example.',
     )
     run(WarehouseRobot, parser, args)
 

@@ -25,6 +25,7 @@ DOMAIN = """(define (domain lamps)
 PROBLEM = """(define (problem evening) (:domain lamps)
   (:objects red blue - lamp) (:init) (:goal (bright)))
 """
+PLAN = '0.0: (light red) [2.0]\n2.0: (light blue) [2.0]'
 
 
 def files(folder: Path, plan: str) -> dict[str, Path]:
@@ -39,17 +40,16 @@ def test_a_robot_of_ones_own_domain_publishes_its_own_texts_with_each_state(
     peer: Peer, tmp_path: Path
 ) -> None:
     domains, problems, plans = (peer.hear(name) for name in ('domain', 'problem', 'plan'))
-    robot = files(tmp_path, '0: (light red) [2]\n2: (light blue) [2]')
+    robot = files(tmp_path, PLAN)
     with running('warehouse_robot', peer.node.get_namespace(), tmp_path, step_period=0.5, **robot):
         eventually(lambda: '' in plans, 'the end of the plan')
         eventually(lambda: '(lit blue)' in problems[-1], 'the last state')
         last = problems[-1]
         restart = peer.node.create_client(Trigger, 'warehouse_robot/restart')
         assert restart.wait_for_service(PATIENCE)
-        whole = plans[0]
         plans.clear()
         assert Call(restart.call_async(Trigger.Request())).result().success
-        eventually(lambda: plans[:1] == [whole] and '' in plans, 'the end of it once more')
+        eventually(lambda: plans[:1] == [PLAN] and '' in plans, 'the end of it once more')
 
     assert domains == [DOMAIN]
     assert read_task(DOMAIN, last).initial_facts == {'(lit red)', '(lit blue)'}
@@ -60,12 +60,57 @@ def test_a_robot_may_publish_its_plan_once_and_then_only_its_state(
     peer: Peer, tmp_path: Path
 ) -> None:
     problems, plans = peer.hear('problem'), peer.hear('plan')
-    robot = files(tmp_path, '0: (light red) [2]\n2: (light blue) [2]')
+    robot = files(tmp_path, PLAN)
     parameters = {'step_period': 0.5, 'plan_once': True, **robot}
     with running('warehouse_robot', peer.node.get_namespace(), tmp_path, **parameters):
         eventually(lambda: problems and '(lit blue)' in problems[-1], 'the last state')
 
-    assert plans == ['0.0: (light red) [2.0]\n2.0: (light blue) [2.0]']
+    assert plans == [PLAN]
+
+
+def test_a_robot_may_tell_its_progress_and_begins_again_once_it_is_done(
+    peer: Peer, tmp_path: Path
+) -> None:
+    progress, plans = peer.hear('progress'), peer.hear('plan')
+    robot = files(tmp_path, PLAN)
+    parameters = {'step_period': 0.5, 'tell_progress': True, **robot}
+    with running('warehouse_robot', peer.node.get_namespace(), tmp_path, **parameters):
+        restart = peer.node.create_client(Trigger, 'warehouse_robot/restart')
+        assert restart.wait_for_service(PATIENCE)
+        eventually(lambda: '' in plans, 'the end of the plan')
+        plans.clear()
+        assert Call(restart.call_async(Trigger.Request())).result().success
+        refused = Call(restart.call_async(Trigger.Request())).result()
+        eventually(lambda: '' in plans, 'the end of it once more')
+
+    told = [
+        'running: (light red)',
+        'done: (light red)\nrunning: (light blue)',
+        'done: (light red)\ndone: (light blue)',
+    ]
+    assert progress[-4:] == [told[-1], *told]
+    assert not refused.success
+
+
+@pytest.mark.parametrize(
+    ('executable', 'name', 'value', 'fault'),
+    [
+        ('warehouse_robot', 'step_period', 4, "to '4' of type 'INTEGER', expecting type 'DOUBLE'"),
+        ('task_list_robot', 'known_tasks', 4, "expecting type 'STRING_ARRAY'"),
+        ('operator_page', 'explainer', 4, "expecting type 'STRING'"),
+        ('explainer_node', 'threshold', 1, '(write a decimal with its point, as in 4.0)'),
+    ],
+)
+def test_a_parameter_of_another_type_ends_a_node_with_one_sentence(
+    peer: Peer, tmp_path: Path, executable: str, name: str, value: int, fault: str
+) -> None:
+    given = {name: value}
+    with running(executable, peer.node.get_namespace(), tmp_path, **given) as process:
+        assert process.popen.wait(PATIENCE) == 2
+
+    assert process.log.splitlines()[-1].startswith(f'{executable}: error: ')
+    assert f"'{name}'" in process.log and fault in process.log
+    assert 'Traceback' not in process.log
 
 
 def test_a_plan_that_cannot_be_carried_out_ends_the_robot_with_one_sentence(
