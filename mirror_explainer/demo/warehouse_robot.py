@@ -161,8 +161,8 @@ def main(args: Sequence[str] | None = None) -> None:
         f'{command} --ros-args -p step_period:=5.0',
         f'{command} --ros-args -p step_period:=5.0 -p tell_progress:=true',
         'ros2 service call /warehouse_robot/restart std_srvs/srv/Trigger',
-        ends='Parameters follow --ros-args: step_period, plan_once, tell_progress, and domain_file, '
-        'problem_file and plan_file for another robot than the example.',
+        ends='Parameters follow --ros-args: step_period, plan_once, tell_progress, and '
+        'domain_file, problem_file and plan_file for another robot than the example.',
     )
     run(WarehouseRobot, parser, args)
 
