@@ -29,6 +29,7 @@ def command_parser(
         description=textwrap.fill(description, _WIDTH),
         epilog=f'examples:\n{shown}\n\n{textwrap.fill(ends, _WIDTH)}',
         formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,  # or a part of a name, mistyped, is taken for another option
     )
     try:
         number = version('mirror_explainer')

@@ -150,6 +150,7 @@ def _parser() -> argparse.ArgumentParser:
     choice = parser.add_argument_group('what to say')
     choice.add_argument(
         '-n',
+        '--n',
         type=whole(1, meaning_of(Question, 'n').most),
         help=f'sentences, at most (default {Question.n}; with --threshold no limit)',
     )

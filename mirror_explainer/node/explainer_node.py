@@ -1,9 +1,11 @@
 """The ROS 2 node: hears the robot's problem and plan, and says what it is up to when asked."""
 
 import functools
+import gc
 import logging
 import os
 import sys
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -25,6 +27,7 @@ from rclpy.logging import LoggingSeverity, get_logging_directory
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.subscription import Subscription
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -113,22 +116,12 @@ class ExplainerNode(Node):
             self._configuration(), self._publish_answer, self._publish_diagnostics
         )
 
-        in_order = MutuallyExclusiveCallbackGroup()
+        self._in_order = MutuallyExclusiveCallbackGroup()
         at_once = ReentrantCallbackGroup()
-        for name in TOPICS:
-            # A volatile publisher is heard by the first, a late start made good by the second.
-            for qos in (VOLATILE, LATCHED):
-                self.create_subscription(
-                    String,
-                    name,
-                    functools.partial(self._hear, name),
-                    qos,
-                    callback_group=in_order,
-                    # Only what the volatile one can't hear is not heard: warn of that.
-                    event_callbacks=SubscriptionEventCallbacks(
-                        use_default_callbacks=qos is VOLATILE
-                    ),
-                )
+        # A volatile publisher is heard by the first, a late start made good by the second.
+        self._subscribed = [
+            (name, self._subscribe(name, qos)) for name in TOPICS for qos in (VOLATILE, LATCHED)
+        ]
         self.create_service(
             Trigger,
             'verbalize_plan',
@@ -153,6 +146,17 @@ class ExplainerNode(Node):
         self.close()
         super().destroy_node()
 
+    def _subscribe(self, name: str, qos: QoSProfile) -> Subscription:
+        return self.create_subscription(
+            String,
+            name,
+            functools.partial(self._hear, name),
+            qos,
+            callback_group=self._in_order,
+            # Only what the volatile one can't hear is not heard: warn of that.
+            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=qos is VOLATILE),
+        )
+
     def _configuration(self) -> Configuration:
         return configuration(lambda name: self.get_parameter(name).value)
 
@@ -173,7 +177,27 @@ class ExplainerNode(Node):
         # The other subscription may have heard it already: that is nothing new.
         self._explainer.hear(name, Text(message.data, self.resolve_topic_name(name)))
 
+    @_guarded
+    def _hear_what_waits(self) -> None:
+        """Hear what reached this node before a call that the executor came to first.
+
+        It is done in the executor's place, by its rule for callbacks that exclude each other.
+        """
+        for name, subscription in self._subscribed:
+            while not self._in_order.beginning_execution(subscription):
+                time.sleep(0.001)  # a text is being heard
+            try:
+                with subscription.handle:
+                    taken = subscription.handle.take_message(String, False)
+                if taken is not None:
+                    self._hear(name, taken[0])
+            finally:
+                self._in_order.ending_execution(subscription)
+        if self.executor is not None:  # so that it looks at what was held up here
+            self.executor.wake()
+
     def _verbalize(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._hear_what_waits()
         reply = self._explainer.ask()
         response.success, response.message = reply.success, reply.message
         return response
@@ -242,6 +266,8 @@ def main(args: Sequence[str] | None = None) -> None:
         if options.log_level:
             node.get_logger().set_level(LoggingSeverity[options.log_level.upper()])
         executor.add_node(node)
+        # Else each full collection looks through all that was imported, while the robot waits.
+        gc.freeze()
         while rclpy.ok():
             _spin_once(executor)
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -23,9 +23,10 @@ from mirror_explainer.text_files import TextFiles
 # A robot publishes its problem and its plan one after the other: what comes within so many seconds
 # is taken together.
 SETTLING_SECONDS = 0.1
-# They may come further apart, behind many calls: that a plan does not fit is believed once it has
-# not for so long.
+# They may come further apart, behind many calls: that a plan does not fit is believed so long
+# after the last of the two came, or the longer time where a robot tells ever newer states.
 DOUBTFUL_SECONDS = 0.5
+LONGEST_DOUBTFUL_SECONDS = 2.0
 # A file may be written piece by piece: it is read when it has been left alone for so long, but not
 # later than that.
 FILE_SETTLING_SECONDS = 0.5
@@ -330,7 +331,11 @@ class Updates:
                 self._doubt = _Doubt(plan, time.monotonic())
             if plan is None:
                 return True
-            believed_at = self._doubt.since + DOUBTFUL_SECONDS
+            texts = (text for text in (plan, read.inputs.problem) if text is not None)
+            believed_at = min(
+                max(text.heard.steady for text in texts) + DOUBTFUL_SECONDS,
+                self._doubt.since + LONGEST_DOUBTFUL_SECONDS,
+            )
             self._changed.wait_for(
                 lambda: self._closed or self._is_pending, believed_at - time.monotonic()
             )

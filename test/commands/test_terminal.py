@@ -9,6 +9,8 @@ import sys
 
 import pytest
 
+from mirror_explainer.commands.terminal import command_parser
+
 pytest.importorskip('rich', reason='the extra [experiments] is not installed')
 
 TELL = """
@@ -20,6 +22,12 @@ tell_warning('compare', 'slow')
 tell_error('user_study', InputError('study.yaml', 'no [bold] title', 3))
 """
 COLOUR = b'\x1b['
+
+
+def test_a_part_of_an_options_name_is_not_taken_for_it(capsys):
+    with pytest.raises(SystemExit):
+        command_parser('robot', 'Goes.').parse_args(['--vers'])
+    assert 'unrecognized arguments: --vers' in capsys.readouterr().err
 
 
 def test_a_pipe_gets_no_colour_and_all_the_words():

@@ -108,7 +108,7 @@ def test_of_many_ends_that_are_left_and_long_names_only_the_first_are_told(comma
     for name, text in texts.items():
         (tmp_path / name).write_text(text)
 
-    done = command('-n', '1', **{name: tmp_path / name for name in texts})
+    done = command('--n', '1', **{name: tmp_path / name for name in texts})
 
     summary = done.stdout.split('\n\n')[1]
     assert 'to be "(and (swept hall1) ' in summary

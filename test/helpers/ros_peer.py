@@ -149,11 +149,14 @@ class Peer:
         return [(result.successful, result.reason) for result in results]
 
     def hear(self, topic: str) -> list[str]:
-        """Return the list that the topic's messages go to, latched ones included."""
+        """Return the list that the topic's messages go to, all in turn, latched ones included."""
         if topic not in self._heard:
             texts = self._heard.setdefault(topic, [])
             self.node.create_subscription(
-                String, topic, lambda message: texts.append(message.data), LATCHED
+                String,
+                topic,
+                lambda message: texts.append(message.data),
+                QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL),
             )
         return self._heard[topic]
 

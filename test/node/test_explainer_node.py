@@ -19,6 +19,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from ros_peer import (
     CONFIG,
     DOMAIN,
@@ -35,6 +36,9 @@ from ros_peer import (
     running,
 )
 from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+
+from mirror_explainer.node.explainer_node import ExplainerNode
 
 pytestmark = pytest.mark.usefixtures('ros')
 
@@ -67,6 +71,23 @@ def latched(peer: Peer, topic: str) -> str:
     eventually(lambda: texts, 'the latched message')
     late.close()
     return texts[-1]
+
+
+def test_a_call_is_about_what_came_before_it_even_if_the_executor_comes_to_it_first(
+    peer: Peer,
+) -> None:
+    given = {'user_model_file': USER_MODEL, 'answer_timeout': 30.0}
+    node = ExplainerNode(
+        namespace=peer.node.get_namespace(),
+        parameter_overrides=[Parameter(name, value=value) for name, value in given.items()],
+    )
+    peer.publish_warehouse()
+    peer.wait_until_heard()
+
+    response = node._verbalize(Trigger.Request(), Trigger.Response())  # no executor spins it
+    node.destroy_node()
+
+    assert response.message == THREE_SENTENCES
 
 
 def test_a_robot_that_latched_its_plan_before_the_node_started_is_explained(served):

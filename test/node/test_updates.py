@@ -1,5 +1,6 @@
 """When updates are worked on, and who gets what comes of them: with works that are played."""
 
+import itertools
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -12,6 +13,7 @@ from patience import PATIENCE, eventually
 from mirror_explainer.errors import Cancelled
 from mirror_explainer.node import updates as module
 from mirror_explainer.node.inputs import Inputs, Text
+from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.node.updates import Updates
@@ -109,10 +111,17 @@ class Robot:
         self._ended = threading.Event()
         self._stream: threading.Thread | None = None
 
-    def submit(self, plan: str, problem: str = 'a problem', progress: str = '') -> None:
+    def submit(
+        self,
+        plan: str,
+        problem: str = 'a problem',
+        progress: str = '',
+        heard_before: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        plan_heard, problem_heard = (Moment(time.monotonic() - s) for s in heard_before)
         inputs = Inputs(
-            plan=Text(plan, '/plan'),
-            problem=Text(problem, '/problem'),
+            plan=Text(plan, '/plan', plan_heard),
+            problem=Text(problem, '/problem', problem_heard),
             progress=Text(progress, '/progress'),
         )
         self.updates.submit(inputs, patience=5.0)
@@ -229,6 +238,41 @@ def test_a_plan_that_comes_long_before_its_problem_is_not_told_to_be_wrong(monke
 
     assert robot.updates.wait(PATIENCE).phase is Phase.READY
     assert robot.phases_told(1) == [Phase.READY]
+
+
+def test_a_plan_is_doubted_for_as_long_as_its_problem_is_new(monkeypatch, played):
+    monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
+    monkeypatch.setattr(module, 'LONGEST_DOUBTFUL_SECONDS', 2 * PATIENCE)
+    robot = played(
+        read=lambda inputs, stop: planning(inputs) if inputs.plan.text == 'new' else BAD
+    )
+    robot.submit('old', heard_before=(PATIENCE + 1.0, 0.0))
+    eventually(lambda: robot.reader.asked, 'the reading of the old plan')
+    robot.submit('new')
+
+    assert robot.updates.wait(PATIENCE).phase is Phase.READY
+    assert robot.phases_told(1) == [Phase.READY]
+
+
+def test_a_plan_that_has_not_fitted_for_long_is_told_to_be_wrong(monkeypatch, played):
+    monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
+    robot = played(read=lambda inputs, stop: BAD)
+    robot.submit('plan', heard_before=(PATIENCE + 1.0, PATIENCE + 1.0))
+
+    assert robot.updates.wait(PATIENCE / 2).phase is Phase.ERROR
+
+
+def test_a_plan_that_fits_none_of_ever_newer_states_is_told_to_be_wrong(monkeypatch, played):
+    monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
+    monkeypatch.setattr(module, 'LONGEST_DOUBTFUL_SECONDS', 0.5)
+    robot = played(read=lambda inputs, stop: BAD)
+    states = itertools.count()
+
+    def told() -> list[Readiness]:
+        robot.submit('plan', f'state {next(states)}')
+        return robot.told
+
+    assert eventually(told, 'that the plan is wrong')[0].phase is Phase.ERROR
 
 
 @pytest.mark.parametrize('stage', ['read', 'refine'])
