@@ -377,8 +377,8 @@ def test_a_folder_in_place_of_a_file_is_told(verbalize, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ('option', 'value', 'said'),
     [
-        ('-n', 'x', 'argument -n: "x" is no whole number from 1 to 1000'),
-        ('-n', '0', 'argument -n: "0" is no whole number from 1 to 1000'),
+        ('-n', 'x', 'argument -n/--n: "x" is no whole number from 1 to 1000'),
+        ('-n', '0', 'argument -n/--n: "0" is no whole number from 1 to 1000'),
         ('--max-beliefs', '0', 'argument --max-beliefs: "0" is no whole number from 1 to 1000000'),
         ('--threshold', 'nan', 'argument --threshold: "nan" is no number from 0 to 1000'),
         ('--threshold', 'much', 'argument --threshold: "much" is no number from 0 to 1000'),
