@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from pathlib import Path
 from random import Random
+from socket import socketpair
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -23,10 +24,15 @@ from mirror_explainer import pddl
 from mirror_explainer.errors import Cancelled
 from mirror_explainer.experiments.planning.cases import every_belief
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
+from mirror_explainer.planning.downward import alternatives
 from mirror_explainer.planning.downward.ground_task import Operator
+from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.independent_parts import independent_parts
 from mirror_explainer.planning.downward.optimal_plans import optimal_plans
 from mirror_explainer.planning.downward.program import find_downward
+from mirror_explainer.planning.downward.searches import Searches
+from mirror_explainer.planning.downward.superset_walk import SupersetWalk
+from mirror_explainer.planning.messages import Ask, Attempt
 
 MANY = 3000
 MOST_STATES = 800
@@ -326,6 +332,53 @@ def test_all_optimal_plans_are_found(planner: Planner) -> None:
     assert sum(count is not None and count > 1 for count in counts) >= 50
 
 
+@pytest.mark.parametrize('most', [MANY, 3])
+def test_searches_find_the_operators_where_all_that_matter_are_too_many(
+    most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    more = 0
+    for seed in range(30):
+        space = random_space(Random(seed))
+        usual, few = found_here(space, most)
+        with monkeypatch.context() as patch:
+            patch.setattr(alternatives, '_FEW_STEPS', 0)
+            searched, searches = found_here(space, most)
+            more += searches - few
+
+        assert searched.keys() == usual.keys()
+        for belief, result in searched.items():
+            assert len(as_sets(result)) == len(usual[belief].plans)
+            assert result.cut == usual[belief].cut
+            if not result.cut:
+                assert as_sets(result) == as_sets(usual[belief])
+    assert more > 20
+
+
+def found_here(space: BeliefSpace, most: int) -> tuple[dict[Belief, BeliefPlans], int]:
+    """Return what the fast way finds in this process, and the number of its searches."""
+    lists = translator.parse(space)
+    grounding = translator.ground(lists)
+    if isinstance(grounding, str):
+        return {}, 0
+    found: dict[Belief, BeliefPlans] = {}
+
+    def report(beliefs: Sequence[Belief], attempt: Attempt) -> None:
+        found.update(dict.fromkeys(beliefs, attempt.result))
+
+    beliefs = [b for b in every_belief(space) if b.goal not in grounding.hard_goals]
+    ask = Ask(space, tuple(beliefs), most, find_downward('') or '', 2, 60.0, 4000, 300.0)
+    walk = SupersetWalk(grounding, translator.initial_atoms(lists), beliefs, lists.scale, True)
+    searches = Searches(ask, report)
+    ours, quiet = socketpair()
+    with ours, quiet:
+        searches.run([walk], quiet.fileno(), lambda: False)
+        others, settled = alternatives.alternatives([walk], most)
+        for node, result in settled.items():
+            report(node.members, Attempt(result))
+        searches.run(others, quiet.fileno(), lambda: False)
+    return found, searches.calls
+
+
 def test_plans_are_combined_where_parts_of_the_goal_are_apart(planner: Planner) -> None:
     space = errands(3, 3)
     report = planner.plan(space, every_belief(space), plans_per_belief=MANY)
@@ -408,14 +461,15 @@ def test_results_are_kept_for_the_same_number_of_plans(planner: Planner) -> None
 
 
 def test_first_plans_stay_known_when_time_ran_out_for_more(tmp_path: Path) -> None:
-    """From the first plan on, no search ends."""
+    """From the first plan on, no search ends; and a free action makes one necessary."""
     stuck = tmp_path / 'stuck'
     program = tmp_path / 'downward'
     program.write_text(
         f'#!/bin/sh\n[ -e {stuck} ] && exec sleep 60\nexec {find_downward("")} "$@"\n'
     )
     program.chmod(0o755)
-    space = errands(2, 0)
+    domain = ERRANDS_DOMAIN.replace('(and (rested) (increase (total-cost) 1))', '(rested)')
+    space = replace(errands(2, 0), domain=domain)
     with Planner(downward_binary=str(program)) as planner:
 
         def plans(deadline: float) -> BeliefPlans:

@@ -1,22 +1,32 @@
 """The other optimal plans of each belief: which of them a search returns is an accident.
 
-For a belief whose optimal cost is known, searches find the operators of all its
-optimal plans (`flagged_task.py`), and from these the plans are put together
-(`optimal_plans.py`). Fewer facts leave no operator that more facts did not have.
+For a belief whose optimal cost is known, its plans are put together from all operators
+that matter (`optimal_plans.py`). Where these are too many, searches find the operators of
+optimal plans (`flagged_task.py`), until all are seen, or enough for as many plans as are asked
+for. Fewer facts leave no operator that more facts did not have.
 """
 
+import itertools
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.flagged_task import DOWN, flagged, with_positive_costs
-from mirror_explainer.planning.downward.ground_task import GroundTask
-from mirror_explainer.planning.downward.optimal_plans import OptimalPlans, optimal_plans
+from mirror_explainer.planning.downward.ground_task import GroundTask, State
+from mirror_explainer.planning.downward.optimal_plans import (
+    MOST_STEPS,
+    OptimalPlans,
+    optimal_plans,
+)
 from mirror_explainer.planning.downward.portfolio import PLAIN, Try
+from mirror_explainer.planning.downward.search_task import SearchTask
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
 from mirror_explainer.planning.downward.what_matters import GoalTask
+
+# So many steps are looked at in some tenths of a second.
+_FEW_STEPS = 10_000
 
 
 @dataclass(eq=False)
@@ -24,9 +34,9 @@ class Alternative:
     """A solved node of the walk, and what is known of its optimal plans.
 
     `plan` is one of them, `cost` what it costs with no free actions, `found` all
-    that searches met, by their sorted actions. `seen` are the names of their
-    operators as far as known, all of them when `complete`. `parents` have more
-    facts, and the same optimal cost.
+    that searches met, by their sorted actions. `seen` are the names of their operators as far
+    as known, all of them (and perhaps others) when `complete`. `large` says that all that
+    matter are too many, `quick` that those seen are still few. `parents` have more facts.
     """
 
     node: Node
@@ -35,6 +45,8 @@ class Alternative:
     found: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
     seen: set[str] = field(default_factory=set)
     complete: bool = False
+    large: bool = False
+    quick: bool = True
     result: OptimalPlans | None = None
     parents: list['Alternative'] = field(default_factory=list)
     open_parents: int = 0
@@ -83,7 +95,6 @@ class Alternatives:
         self._goal_tasks: dict[int, GoalTask] = {}
         self._most = most
         self._cost_of = {operator.name: operator.cost for operator in task.operators}
-        self._free_actions = task is not walk.task
         found = {node: Alternative(node, plan) for node, plan in walk.optimal() if plan}
         for node, alternative in found.items():
             alternative.parents = [
@@ -92,28 +103,59 @@ class Alternatives:
             alternative.open_parents = len(alternative.parents)
             for parent in alternative.parents:
                 parent.children.append(alternative)
-            if not self._free_actions:
+            if task is walk.task:
                 self._take_in(alternative, alternative.plan)
         self.ready = deque(a for a in found.values() if not a.open_parents)
 
     def known(self, subject: Alternative) -> Finding | None:
-        """Return a plan if no search is needed, since more facts had the same optimal cost."""
-        if self._free_actions:
+        """Return a finding if the plans can be put together without another search."""
+        if subject.cost is None:
             return None
-        parents = [parent for parent in subject.parents if parent.complete]
-        if not parents:
-            return None
-        subject.seen = set.intersection(*(parent.seen for parent in parents))
-        return Finding(None)
+        alike = [parent for parent in subject.parents if parent.cost == subject.cost]
+        complete = [parent for parent in alike if parent.complete]
+        if complete:
+            subject.seen = set.intersection(*(parent.seen for parent in complete))
+            return Finding(None)
+        subject.large = subject.large or any(parent.large for parent in alike)
+        if not subject.large:
+            helpful = {operator.name for operator in self._search(subject)[0].operators}
+            subject.result = self._put_together(subject, helpful, _FEW_STEPS)
+            if subject.result:
+                used = itertools.chain(*subject.result.plans)
+                subject.seen = set(used) if subject.result.all else helpful
+                return Finding(None)
+            subject.large = True
+        for plan in itertools.chain(*(parent.found.values() for parent in alike)):
+            if self.checked(subject, plan):
+                self._take_in(subject, plan)
+        if subject.quick:
+            result = self._put_together(subject, subject.seen, _FEW_STEPS)
+            subject.quick = result is not None
+            if result and len(result.plans) == self._most and not result.all:
+                subject.result = result
+                return Finding(subject.plan)
+        return None
 
-    def search_input(self, subject: Alternative) -> SearchInput:
-        """Return a search for an optimal plan with an operator not seen yet."""
+    def _search(self, subject: Alternative) -> tuple[SearchTask, State]:
+        """Return what matters to the subject's task, and its initial state."""
         node = subject.node
         if node.goal not in self._goal_tasks:
             self._goal_tasks[node.goal] = GoalTask(self._task, self._walk.goal(node))
-        whole, state = self._goal_tasks[node.goal].from_here(node.state)
-        task = flagged(whole, subject.seen)
-        return SearchInput(task.text((*state, DOWN)), PLAIN)
+        return self._goal_tasks[node.goal].from_here(node.state)
+
+    def _put_together(
+        self, subject: Alternative, names: Collection[str], steps: int
+    ) -> OptimalPlans | None:
+        """Return the plans of the operators so named, None if that takes more steps."""
+        operators = self._walk.as_declared(o for o in self._task.operators if o.name in names)
+        node = subject.node
+        goal = self._walk.goal(node)
+        return optimal_plans(operators, node.state, goal, subject.plan, self._most, steps)
+
+    def search_input(self, subject: Alternative) -> SearchInput:
+        """Return a search for an optimal plan with an operator not seen yet."""
+        whole, state = self._search(subject)
+        return SearchInput(flagged(whole, subject.seen).text((*state, DOWN)), PLAIN)
 
     def checked(self, subject: Alternative, actions: Sequence[str]) -> tuple[str, ...] | None:
         """Return the actions if they reach the goal, None otherwise."""
@@ -125,27 +167,19 @@ class Alternatives:
 
     def settle(self, subject: Alternative, finding: Finding | None) -> None:
         """Go on to the next search, or put the plans together."""
-        if finding and finding.plan and self._is_optimal(subject, finding.plan):
-            self._take_in(subject, finding.plan)
+        plan = finding.plan if finding else None
+        if plan and subject.result is None and self._is_optimal(subject, plan):
+            self._take_in(subject, plan)
             self.ready.append(subject)
             return
-        subject.complete = finding is not None
-        if subject.cost is not None:
-            subject.result = (
-                self._inherited(subject)
-                or optimal_plans(
-                    self._walk.as_declared(
-                        o for o in self._task.operators if o.name in subject.seen
-                    ),
-                    subject.node.state,
-                    self._walk.goal(subject.node),
-                    subject.plan,
-                    self._most,
-                )
-                or OptimalPlans(tuple(subject.found.values())[: self._most], all=False)
+        subject.complete = finding is not None and not (plan and subject.result)
+        if subject.result is None and subject.cost is not None:
+            subject.result = self._inherited(subject) or self._put_together(
+                subject, subject.seen, MOST_STEPS
             )
-        else:
-            subject.result = OptimalPlans((subject.plan,), all=False)
+        if subject.result is None:
+            plans = tuple(subject.found.values()) or (subject.plan,)
+            subject.result = OptimalPlans(plans[: self._most], all=False)
         for child in subject.children:
             child.open_parents -= 1
             if not child.open_parents:
@@ -157,7 +191,8 @@ class Alternatives:
             return None
         cost = self.cost(subject, subject.plan)
         plans = tuple(Plan(actions, cost) for actions in subject.result.plans)
-        cut: Cut = '' if subject.result.all else 'number' if subject.complete else 'time'
+        enough = subject.complete or len(plans) == self._most
+        cut: Cut = '' if subject.result.all else 'number' if enough else 'time'
         return BeliefPlans(Status.SOLVED, plans, cut=cut)
 
     def _inherited(self, subject: Alternative) -> OptimalPlans | None:

@@ -1,29 +1,28 @@
-"""All optimal plans up to order, once it is known which operators occur in any.
+"""All optimal plans up to order, once the optimal cost is known.
 
 Two plans with the same actions in another order are one observation to the
-listener, so a plan counts here by how often it has each action. The states on
-optimal paths are few where the operators are few, however many the orders are;
-and operators that have nothing to do with one another are looked at apart.
+listener, so a plan counts here by how often it has each action. The states of one order
+of each plan are few (`optimal_paths.py`), however many the orders are; and operators that
+have nothing to do with one another are looked at apart.
 """
 
-import heapq
 import math
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from random import Random
 
 from mirror_explainer.planning.downward.ground_task import Fact, Operator, State
 from mirror_explainer.planning.downward.independent_parts import independent_parts
+from mirror_explainer.planning.downward.optimal_paths import Layers, Mask, optimal_paths
 
 Actions = tuple[str, ...]
 
-# A task with more states within the optimal cost than this is not enumerated.
-_MOST_STATES = 50_000
+# A task with more steps between states on optimal paths than this is not enumerated.
+MOST_STEPS = 500_000
 
 # A plan as one number: so many bits for the count of each action. An optimal plan is in no
-# state twice, so that no count reaches the number of states.
-_BITS = _MOST_STATES.bit_length()
+# state twice, so that no count reaches their number.
+_BITS = MOST_STEPS.bit_length()
 
 # While plans are put together, so many times more are kept than will be returned.
 _SPARE = 20
@@ -46,11 +45,12 @@ def optimal_plans(
     goal: Sequence[Fact],
     known: Sequence[str],
     most: int,
+    steps: int = MOST_STEPS,
 ) -> OptimalPlans | None:
     """Return up to `most` optimal plans that use these operators only; costs are positive.
 
     `known` is one of them. If there are more, a sample is drawn, which the order
-    of the operators decides. None if there are too many states to look at.
+    of the operators decides. None if there are more than so many steps to look at.
     """
     parts: list[tuple[list[Actions], bool]] = []
     for part in independent_parts(operators):
@@ -58,7 +58,7 @@ def optimal_plans(
         own_goal = [fact for fact in goal if any(_concerns(o, fact[0]) for o in part)]
         counted = {operator.name: operator.cost for operator in part}
         cost = sum(counted[name] for name in known if name in names)
-        plans = _plans_of_part(part, state, own_goal, cost, most)
+        plans = _plans_of_part(part, state, own_goal, cost, most, steps)
         if plans is None:
             return None
         parts.append(plans)
@@ -83,101 +83,33 @@ def _concerns(operator: Operator, variable: int) -> bool:
     return any(variable == other for other, _ in operator.effect)
 
 
-# A state as one number: a bit for each fact that holds.
-_Mask = int
-
-# By the cost spent: the states reached at no less, with their (operator, next state) pairs.
-_Layers = dict[int, dict[_Mask, list[tuple[int, _Mask]]]]
-
-
-@dataclass(frozen=True)
-class _Step:
-    """An operator on states as numbers: it needs some bits, keeps some, and sets some."""
-
-    needs: _Mask
-    keeps: _Mask
-    sets: _Mask
-    cost: int
-
-
-class _Bits:
-    """Gives each fact a bit, and so each state a number."""
-
-    def __init__(self, operators: Sequence[Operator], state: State, goal: Sequence[Fact]) -> None:
-        facts = dict.fromkeys(goal)
-        for operator in operators:
-            facts.update(dict.fromkeys((*operator.condition, *operator.effect)))
-        facts.update((fact, None) for fact in enumerate(state))
-        self._bit = {fact: 1 << number for number, fact in enumerate(facts)}
-        self._of_variable: dict[int, _Mask] = defaultdict(int)
-        for (variable, _), bit in self._bit.items():
-            self._of_variable[variable] |= bit
-
-    def mask(self, facts: Iterable[Fact]) -> _Mask:
-        """Return the bits of the facts."""
-        return sum(self._bit[fact] for fact in set(facts))
-
-    def step(self, operator: Operator) -> _Step:
-        """Return an operator with its facts as bits."""
-        changed = sum(self._of_variable[v] for v in {v for v, _ in operator.effect})
-        return _Step(
-            self.mask(operator.condition), ~changed, self.mask(operator.effect), operator.cost
-        )
-
-
 def _plans_of_part(
-    operators: Sequence[Operator], state: State, goal: Sequence[Fact], cost: int, most: int
+    operators: Sequence[Operator],
+    state: State,
+    goal: Sequence[Fact],
+    cost: int,
+    most: int,
+    steps: int,
 ) -> tuple[list[Actions], bool] | None:
     """Return plans of exactly this cost, and whether these are all; None if that is too much."""
-    bits = _Bits(operators, state, goal)
-    start = bits.mask(enumerate(state))
-    layers = _layers([bits.step(operator) for operator in operators], start, cost)
-    if layers is None:
+    paths = optimal_paths(operators, state, goal, cost, steps)
+    if paths is None:
         return None
-    suffixes, complete = _suffixes(operators, layers, bits.mask(goal), cost, _SPARE * most)
-    found = sorted(suffixes.get(start, ()))
+    suffixes, complete = _suffixes(operators, paths.layers, paths.ends, cost, _SPARE * most)
+    found = sorted(suffixes.get(paths.start, ()))
     chosen = found if len(found) <= most else Random(0).sample(found, most)
-    plans = [_ordered(operators, layers, suffixes, start, plan) for plan in chosen]
+    plans = [_ordered(operators, paths.layers, suffixes, paths.start, plan) for plan in chosen]
     return plans, complete and len(found) <= most
 
 
-def _layers(steps: Sequence[_Step], start: _Mask, cost: int) -> _Layers | None:
-    """Explore what can be reached within the cost, each state at the least it takes."""
-    numbered = [(index, s.needs, s.keeps, s.sets, s.cost) for index, s in enumerate(steps)]
-    least = {start: 0}
-    waiting = [(0, start)]
-    layers: _Layers = defaultdict(dict)
-    while waiting:
-        spent, here = heapq.heappop(waiting)
-        if here in layers[spent] or least[here] < spent:
-            continue
-        following = layers[spent][here] = []
-        for index, needs, keeps, sets, own_cost in numbered:
-            then = spent + own_cost
-            if here & needs != needs or then > cost:
-                continue
-            there = here & keeps | sets
-            known = least.get(there, cost + 1)
-            if then <= known:
-                following.append((index, there))
-            if then < known:
-                least[there] = then
-                heapq.heappush(waiting, (then, there))
-        if len(least) > _MOST_STATES:
-            return None
-    return layers
-
-
 def _suffixes(
-    operators: Sequence[Operator], layers: _Layers, goal: _Mask, cost: int, most: int
-) -> tuple[dict[_Mask, set[int]], bool]:
+    operators: Sequence[Operator], layers: Layers, ends: Iterable[Mask], cost: int, most: int
+) -> tuple[dict[Mask, set[int]], bool]:
     """Return what may follow each state on an optimal path, and whether that is everything.
 
     Where more than `most` plans follow a state, a sample of them stays.
     """
-    suffixes: dict[_Mask, set[int]] = {
-        here: {0} for here in layers.get(cost, ()) if here & goal == goal
-    }
+    suffixes: dict[Mask, set[int]] = {here: {0} for here in ends}
     complete = True
     ones = _ones(operators)
     for spent in sorted(layers, reverse=True):
@@ -207,9 +139,9 @@ def _ones(operators: Sequence[Operator]) -> list[int]:
 
 def _ordered(
     operators: Sequence[Operator],
-    layers: _Layers,
-    suffixes: dict[_Mask, set[int]],
-    start: _Mask,
+    layers: Layers,
+    suffixes: dict[Mask, set[int]],
+    start: Mask,
     plan: int,
 ) -> Actions:
     """Return a plan's actions in an order that can be carried out."""
@@ -224,11 +156,11 @@ def _ordered(
 
 
 def _first_steps(
-    steps: Sequence[tuple[int, _Mask]],
+    steps: Sequence[tuple[int, Mask]],
     ones: Sequence[int],
-    suffixes: dict[_Mask, set[int]],
+    suffixes: dict[Mask, set[int]],
     plan: int,
-) -> Iterator[tuple[int, _Mask, int]]:
+) -> Iterator[tuple[int, Mask, int]]:
     """Yield the steps with which a plan can begin, and what then remains of it."""
     for index, there in steps:
         rest = plan - ones[index]
