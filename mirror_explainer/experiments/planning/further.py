@@ -86,24 +86,19 @@ def _processor_seconds() -> float:
 
 @dataclass(frozen=True)
 class Row:
-    """What both found for a task's goals; K*'s is None if it is not installed.
+    """What both found for the goals of a task of some kind; K*'s is None if it is not installed.
 
     Raises AssertionError where the counts differ.
     """
 
+    kind: str
     name: str
     here: Found
     kstar: Found | None
 
     def __post_init__(self) -> None:
-        if self.both_ended:
-            assert self.kstar is not None
+        if self.kstar and self.kstar.ended and self.here.ended:
             assert self.here.plans == self.kstar.plans, self
-
-    @property
-    def both_ended(self) -> bool:
-        """Whether both found all plans, or as many as were asked for."""
-        return self.kstar is not None and self.here.ended and self.kstar.ended
 
 
 def table(rows: Sequence[Row]) -> str:
@@ -121,15 +116,25 @@ def table(rows: Sequence[Row]) -> str:
     told = worded_table(headings, lines)
     if not both:
         return f'{told}\n\nLeft out, since not installed: K* (kstar-planner).'
-    unended = [sum(not found.ended for found in each) for each in zip(*both, strict=True)]
-    return (
-        f'{told}\n\nOf {len(both)} tasks {unended[0]} did not end here, {unended[1]} not with K*; '
-        'where both ended, all counts agree. Quicker: here '
-        f'{sum(here.seconds < other.seconds for here, other in both)}, K* '
-        f'{sum(here.seconds > other.seconds for here, other in both)}. Together: here '
-        f'{sum(here.seconds for here, _ in both):.0f} s, K* '
-        f'{sum(other.seconds for _, other in both):.0f} s.'
-    )
+    return f'{told}\n\n{_sums(rows)}'
+
+
+def _sums(rows: Sequence[Row]) -> str:
+    """Return what it comes to for each kind of task, as Markdown; all counts agree."""
+
+    def cells(kind: str) -> list[object]:
+        both = [(r.here, r.kstar) for r in rows if r.kstar and kind in (r.kind, 'all')]
+        sides = list(zip(*both, strict=True))
+        return [
+            kind,
+            len(both),
+            *(sum(not found.ended for found in side) for side in sides),
+            sum(here.seconds < other.seconds for here, other in both),
+            *(f'{sum(found.seconds for found in side):.0f}' for side in sides),
+        ]
+
+    headings = ('tasks', 'how many', 'not ended here', 'not with K*', 'quicker here', 's', 's, K*')
+    return worded_table(headings, map(cells, [*dict.fromkeys(r.kind for r in rows), 'all']))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -147,19 +152,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         spaces = [
-            (r.name, r.space, r.beliefs[0].true_facts) for r in robots() if options.only in r.name
+            ('robots', r.name, r.space, r.beliefs[0].true_facts)
+            for r in robots()
+            if options.only in r.name
         ]
         for location in listed_locations(options.pucrs, hard=False) if options.pucrs else ():
             found = pucrs_instance(location, options.pucrs)
             if options.only in found.name:
                 space = BeliefSpace(found.domain, found.problem, found.goals)
-                spaces.append((found.name, space, frozenset()))
+                spaces.append((found.domain_name, found.name, space, frozenset()))
         installed = importlib.util.find_spec('kstar_planner') is not None
         rows = []
-        for name, space, facts in spaces:
+        for kind, name, space, facts in spaces:
             beliefs = [Belief(goal, facts) for goal in range(len(space.goals))][: options.goals]
             other = kstar(space, beliefs) if installed else None
-            rows.append(Row(name, ours(space, beliefs), other))
+            rows.append(Row(kind, name, ours(space, beliefs), other))
             print(rows[-1], file=sys.stderr)
         print(table(rows))
     except (InputError, PlanningError, subprocess.CalledProcessError, OSError) as error:
