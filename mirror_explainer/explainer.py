@@ -71,17 +71,19 @@ def explain(
     question = question or Question()
     listener = chosen(preparation.listener, question.listener, question.min_gain)
     model = preparation.model_for(listener)
-    known = positions_of(said, said_source, model)
+    known = {*positions_of(said, said_source, model)}
+    if (failed := preparation.failed) is not None:
+        known |= {places[-1] for places in model.places if failed in places}
     first = not known
     if not question.tell_past:
-        known = tuple(sorted({*known, *_past(preparation, model)}))
-    selection = _selection(model, question, known, first)
+        known |= {*_past(preparation, model)}
+    selection = _selection(model, question, sorted(known), first)
     return Explanation(
         preparation,
         model,
         question,
         selection,
-        known,
+        tuple(sorted(known)),
         time.perf_counter() - started,
         _opening(preparation, last_episode),
     )

@@ -31,8 +31,8 @@ class Explanation:
 
     Its attributes are the keys of the JSON (docs). `selection` has the plan positions in plan
     order (from 0), the information gain and its gap (nats). `known` are positions whose
-    sentences the listener knows: they were said before, or are done where the past is not
-    told. All quantities are given these.
+    sentences the listener knows: they were said before, are done where the past is not
+    told, or failed, of which the answer's beginning tells. All quantities are given these.
     """
 
     preparation: Preparation
@@ -71,19 +71,22 @@ class Explanation:
     @cached_property
     def spoken(self) -> str:
         """The answer as a person hears it: like steps in one sentence, a sentence a line."""
-        situation, sentences = self.preparation.situation, self.preparation.sentences
-        failed = situation.progress.failed if situation else ()
+        sentences, failed = self.preparation.sentences, self.preparation.failed
         lines = [self.opening]
-        lines += [stuck(sentences, self.model.plan.actions[position]) for position in failed[:1]]
-        return '\n'.join(filter(None, [*lines, self._steps_spoken(sentences)]))
+        if failed is not None:
+            lines.append(stuck(sentences, self.model.plan.actions[failed]))
+        if failed is None or self.positions:
+            lines.append(self._steps_spoken(sentences))
+        return '\n'.join(filter(None, lines))
 
     def _steps_spoken(self, sentences: Sentences) -> str:
         statuses = self.preparation.statuses
         if all(status is StepStatus.DONE for status in statuses):
             return reached(sentences, self.actions)
         if self.positions:
-            told = [(self.model.plan.actions[p], statuses[p]) for p in self.positions]
-            return spoken(sentences, told)
+            steps = list(zip(self.model.plan.actions, statuses, strict=True))
+            unsaid = [steps[p] for p in self.unsaid_ends]
+            return spoken(sentences, [steps[p] for p in self.positions], unsaid)
         heard = {self.model.sentences[position] for position in self.known}
         if heard.issuperset(self.model.sentences):
             return sentences.phrases.all_heard

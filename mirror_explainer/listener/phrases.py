@@ -55,6 +55,11 @@ class Phrases:
         places='sentence',
     )
     and_: str = _phrase('and', 'Joins the last two of several objects: "the cup and the plate".')
+    others: str = _phrase(
+        'others',
+        'Ends a list that is not whole, of ends that are alike: "the cup, the plate and others".',
+        may_be_empty=True,
+    )
 
     @staticmethod
     def names() -> tuple[str, ...]:

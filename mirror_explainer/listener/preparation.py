@@ -79,6 +79,11 @@ class Preparation:
         return self.situation.progress.steps
 
     @property
+    def failed(self) -> int | None:
+        """The plan position of the first step that failed, None if none did."""
+        return next(iter(self.situation.progress.failed), None) if self.situation else None
+
+    @property
     def model(self) -> MirrorModel:
         """P_R^H of the user model's listener."""
         return self.model_for(self.listener)

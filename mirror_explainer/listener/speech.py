@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from mirror_explainer.listener.english import inability
+from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Said, Sentences
 from mirror_explainer.listener.wording import parts
 from mirror_explainer.pddl.progress import StepStatus
@@ -11,11 +12,15 @@ from mirror_explainer.pddl.progress import StepStatus
 _ARTICLES = frozenset(['the', 'a', 'an', 'my', 'your'])
 
 
-def spoken(sentences: Sentences, steps: Sequence[tuple[str, StepStatus]]) -> str:
-    """Return the text for the steps of an answer, ground actions in plan order; a sentence a line.
+Step = tuple[str, StepStatus]  # a ground action, and how far it is
+
+
+def spoken(sentences: Sentences, steps: Sequence[Step], unsaid: Sequence[Step] = ()) -> str:
+    """Return the text for the steps of an answer, in plan order; a sentence a line.
 
     Neighbours of one tense that differ in one object become one sentence: "I will photograph
-    the bridge, the tower and the lock."
+    the bridge, the tower and the lock." A list is heard as the whole of it: so one that steps
+    left `unsaid` would be in, too, ends with "and others".
     """
     groups: list[list[Said]] = []
     last: StepStatus | None = None
@@ -26,7 +31,8 @@ def spoken(sentences: Sentences, steps: Sequence[tuple[str, StepStatus]]) -> str
         else:
             groups.append([said])
         last = status
-    return '\n'.join(_together(group, sentences.phrases.and_) for group in groups)
+    left = [sentences.worded(*step) for step in unsaid]
+    return '\n'.join(_together(group, left, sentences.phrases) for group in groups)
 
 
 def reached(sentences: Sentences, achieved: Sequence[str]) -> str:
@@ -59,14 +65,17 @@ def _differing(group: Sequence[Said]) -> str:
     return parameter if once and next(parts(text))[0].strip() else ''
 
 
-def _together(group: Sequence[Said], conjunction: str) -> str:
-    """Return one sentence for a group of steps."""
+def _together(group: Sequence[Said], unsaid: Sequence[Said], phrases: Phrases) -> str:
+    """Return one sentence for a group of steps, given the steps that are left unsaid."""
     if len(group) == 1:
         return group[0].sentence
     parameter = _differing(group)
     before = next(text for text, place in parts(group[0].text) if place == parameter).split()
     article = f'{before[-1]} ' if before and before[-1] in _ARTICLES else ''
     first, *others = [said.called[parameter] for said in group]
-    *middle, last = [article + called for called in others]
-    listed = f'{", ".join([first, *middle])} {conjunction} {last}'
-    return Said(group[0].text, {**group[0].called, parameter: listed}).sentence
+    listed = [first, *(article + called for called in others)]
+    if phrases.others and any(_differing([*group, said]) == parameter for said in unsaid):
+        listed.append(phrases.others)
+    *most, last = listed
+    together = f'{", ".join(most)} {phrases.and_} {last}'
+    return Said(group[0].text, {**group[0].called, parameter: together}).sentence

@@ -81,6 +81,34 @@ def test_neighbours_that_differ_in_one_object_are_one_sentence(
     assert spoken(sentences(), steps) == text
 
 
+@pytest.mark.parametrize(
+    ('said', 'unsaid', 'text'),
+    [
+        ('(shoot lock)', '(shoot bridge)', 'I will photograph the mill, the lock and others.'),
+        ('(shoot lock)', '(bring cup hall)', 'I will photograph the mill and the lock.'),
+        # What is alike may be left out where no list is said.
+        ('(wait)', '(shoot bridge)', 'I will photograph the mill.\nI will wait.'),
+    ],
+)
+def test_a_list_that_is_not_whole_says_so(said: str, unsaid: str, text: str) -> None:
+    assert spoken(sentences(), ahead('(shoot mill)', said), ahead(unsaid)) == text
+
+
+def test_a_list_of_what_is_done_is_whole_whatever_is_ahead() -> None:
+    done = [('(shoot mill)', DONE), ('(shoot lock)', DONE)]
+    assert spoken(sentences(), done, ahead('(shoot bridge)')) == (
+        'I have photographed the mill and the lock.'
+    )
+
+
+def test_the_word_for_the_rest_of_a_list_can_be_set() -> None:
+    steps, left = ahead('(shoot mill)', '(shoot lock)'), ahead('(shoot bridge)')
+    assert spoken(sentences(others='andere', and_='und'), steps, left) == (
+        'I will photograph the mill, the lock und andere.'
+    )
+    assert spoken(sentences(others=''), steps, left) == 'I will photograph the mill and the lock.'
+
+
 def test_the_word_between_objects_can_be_set() -> None:
     assert spoken(sentences(and_='und'), ahead('(shoot mill)', '(shoot lock)')) == (
         'I will photograph the mill und the lock.'
