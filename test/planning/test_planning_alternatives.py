@@ -28,6 +28,7 @@ from mirror_explainer.planning.downward import alternatives
 from mirror_explainer.planning.downward.ground_task import Operator
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.independent_parts import independent_parts
+from mirror_explainer.planning.downward.optimal_paths import Effort
 from mirror_explainer.planning.downward.optimal_plans import optimal_plans
 from mirror_explainer.planning.downward.program import find_downward
 from mirror_explainer.planning.downward.searches import Searches
@@ -341,7 +342,8 @@ def test_searches_find_the_operators_where_all_that_matter_are_too_many(
         space = random_space(Random(seed))
         usual, few = found_here(space, most)
         with monkeypatch.context() as patch:
-            patch.setattr(alternatives, '_FEW_STEPS', 0)
+            patch.setattr(alternatives, '_LITTLE', Effort(steps=0))
+            patch.setattr(alternatives, '_SAMPLED', ())
             searched, searches = found_here(space, most)
             more += searches - few
 
@@ -577,7 +579,7 @@ def test_an_action_that_is_done_very_often_is_counted_right() -> None:
     jump = Operator('(jump)', ((0, 0),), ((0, 1024),), 1024)
     walked, jumped = ('(step)',) * 1100, ('(jump)', *('(step)',) * 76)
 
-    found = optimal_plans([*steps, jump], (0,), [(0, 1100)], walked, 10)
+    found = optimal_plans([*steps, jump], (0,), [(0, 1100)], walked, 10, Effort(10_000))
 
     assert found is not None and found.all
     assert set(found.plans) == {walked, jumped}

@@ -14,19 +14,18 @@ from dataclasses import dataclass, field
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.flagged_task import DOWN, flagged, with_positive_costs
 from mirror_explainer.planning.downward.ground_task import GroundTask, State
-from mirror_explainer.planning.downward.optimal_plans import (
-    MOST_STEPS,
-    OptimalPlans,
-    optimal_plans,
-)
+from mirror_explainer.planning.downward.optimal_paths import Effort
+from mirror_explainer.planning.downward.optimal_plans import OptimalPlans, optimal_plans
 from mirror_explainer.planning.downward.portfolio import PLAIN, Try
 from mirror_explainer.planning.downward.search_task import SearchTask
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
 from mirror_explainer.planning.downward.what_matters import GoalTask
 
-# So many steps are looked at in some tenths of a second.
-_FEW_STEPS = 10_000
+# All is looked at if that takes some tenths of a second, then a sample, and after searches more.
+_LITTLE = Effort(steps=10_000)
+_SAMPLED = tuple(Effort(steps=100_000, width=width) for width in (30, 100))
+_MUCH = Effort(steps=100_000)
 
 
 @dataclass(eq=False)
@@ -36,7 +35,7 @@ class Alternative:
     `plan` is one of them, `cost` what it costs with no free actions, `found` all
     that searches met, by their sorted actions. `seen` are the names of their operators as far
     as known, all of them (and perhaps others) when `complete`. `large` says that all that
-    matter are too many, `quick` that those seen are still few. `parents` have more facts.
+    matter are too many. `parents` have more facts.
     """
 
     node: Node
@@ -46,7 +45,6 @@ class Alternative:
     seen: set[str] = field(default_factory=set)
     complete: bool = False
     large: bool = False
-    quick: bool = True
     result: OptimalPlans | None = None
     parents: list['Alternative'] = field(default_factory=list)
     open_parents: int = 0
@@ -119,21 +117,18 @@ class Alternatives:
         subject.large = subject.large or any(parent.large for parent in alike)
         if not subject.large:
             helpful = {operator.name for operator in self._search(subject)[0].operators}
-            subject.result = self._put_together(subject, helpful, _FEW_STEPS)
-            if subject.result:
-                used = itertools.chain(*subject.result.plans)
-                subject.seen = set(used) if subject.result.all else helpful
-                return Finding(None)
+            for effort in _SAMPLED if alike else (_LITTLE, *_SAMPLED):
+                result = self._put_together(subject, helpful, effort)
+                everything = result and (result.all or effort is _LITTLE)
+                if result and (everything or len(result.plans) == self._most):
+                    subject.result = result
+                    used = itertools.chain(*result.plans)
+                    subject.seen = set(used) if result.all else helpful
+                    return Finding(None if everything else subject.plan)
             subject.large = True
         for plan in itertools.chain(*(parent.found.values() for parent in alike)):
             if self.checked(subject, plan):
                 self._take_in(subject, plan)
-        if subject.quick:
-            result = self._put_together(subject, subject.seen, _FEW_STEPS)
-            subject.quick = result is not None
-            if result and len(result.plans) == self._most and not result.all:
-                subject.result = result
-                return Finding(subject.plan)
         return None
 
     def _search(self, subject: Alternative) -> tuple[SearchTask, State]:
@@ -144,13 +139,13 @@ class Alternatives:
         return self._goal_tasks[node.goal].from_here(node.state)
 
     def _put_together(
-        self, subject: Alternative, names: Collection[str], steps: int
+        self, subject: Alternative, names: Collection[str], effort: Effort
     ) -> OptimalPlans | None:
-        """Return the plans of the operators so named, None if that takes more steps."""
+        """Return the plans of the operators so named, None if that is too much."""
         operators = self._walk.as_declared(o for o in self._task.operators if o.name in names)
         node = subject.node
         goal = self._walk.goal(node)
-        return optimal_plans(operators, node.state, goal, subject.plan, self._most, steps)
+        return optimal_plans(operators, node.state, goal, subject.plan, self._most, effort)
 
     def search_input(self, subject: Alternative) -> SearchInput:
         """Return a search for an optimal plan with an operator not seen yet."""
@@ -175,7 +170,7 @@ class Alternatives:
         subject.complete = finding is not None and not (plan and subject.result)
         if subject.result is None and subject.cost is not None:
             subject.result = self._inherited(subject) or self._put_together(
-                subject, subject.seen, MOST_STEPS
+                subject, subject.seen, _MUCH
             )
         if subject.result is None:
             plans = tuple(subject.found.values()) or (subject.plan,)

@@ -6,12 +6,13 @@ on no optimal path.
 """
 
 import functools
-import heapq
 import math
 import operator
+import sys
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from random import Random
 
 from mirror_explainer.planning.downward.ground_task import Fact, Operator, State
 
@@ -27,48 +28,67 @@ _ROUNDING = 0.5
 
 @dataclass(frozen=True)
 class Paths:
-    """The layers of states from `start` on, and `ends`, which reach the goal at the cost."""
+    """The layers of states from `start` on, and `ends`, which reach the goal at the cost.
+
+    `complete` says that nothing was left out for want of width.
+    """
 
     layers: Layers
     start: Mask
     ends: list[Mask]
+    complete: bool
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How many steps to look at, at most; and from how many states reached at the same cost.
+
+    Where there are more of these, a sample is drawn.
+    """
+
+    steps: int
+    width: int = sys.maxsize
 
 
 def optimal_paths(
-    operators: Sequence[Operator], state: State, goal: Sequence[Fact], cost: int, most: int
+    operators: Sequence[Operator], state: State, goal: Sequence[Fact], cost: int, effort: Effort
 ) -> Paths | None:
     """Explore what is within the optimal cost, which is positive for each operator.
 
-    Each state is there at the least it takes. None if there are more than `most` steps to look at.
+    Each state is there at the least it takes. None if that is more than the effort allows.
     """
     bits = _Bits(operators, state, goal)
     start, wanted = bits.mask(enumerate(state)), bits.mask(goal)
     steps = [bits.step(each) for each in operators]
     enough, lacking = _Enough(steps, wanted), _Lacking(steps, wanted)
     least = {start: 0}
-    waiting = [(0, start)]
+    waiting: dict[int, set[Mask]] = {0: {start}}
     layers: Layers = defaultdict(dict)
+    left, random, complete = effort.steps, Random(0), True
     while waiting:
-        spent, here = heapq.heappop(waiting)
-        if here in layers[spent] or least[here] < spent:
-            continue
-        following = layers[spent][here] = []
-        numbers = enough.numbers(here)
-        most -= len(numbers)
-        if most < 0:
-            return None
-        for number in numbers:
-            then = spent + steps[number].cost
-            there = here & steps[number].keeps | steps[number].sets
-            known = least.get(there)
-            if known is None and then + lacking.cost(there) > cost + _ROUNDING:
-                continue
-            if known is None or then < known:
-                least[there] = then
-                heapq.heappush(waiting, (then, there))
-            if then <= least[there]:
-                following.append((number, there))
-    return Paths(layers, start, [here for here in layers[cost] if here & wanted == wanted])
+        spent = min(waiting)
+        reached = sorted(here for here in waiting.pop(spent) if least[here] == spent)
+        if len(reached) > effort.width:
+            reached, complete = random.sample(reached, effort.width), False
+        for here in reached:
+            following = layers[spent][here] = []
+            numbers = enough.numbers(here)
+            left -= len(numbers)
+            if left < 0:
+                return None
+            for number in numbers:
+                then = spent + steps[number].cost
+                there = here & steps[number].keeps | steps[number].sets
+                known = least.get(there)
+                if known is None and then + lacking.cost(there) > cost + _ROUNDING:
+                    continue
+                if known is None or then < known:
+                    least[there] = then
+                    waiting.setdefault(then, set()).add(there)
+                if then <= least[there]:
+                    following.append((number, there))
+    ends = [here for here in layers[cost] if here & wanted == wanted]
+    return Paths(layers, start, ends, complete)
 
 
 @dataclass(frozen=True)

@@ -13,16 +13,18 @@ from random import Random
 
 from mirror_explainer.planning.downward.ground_task import Fact, Operator, State
 from mirror_explainer.planning.downward.independent_parts import independent_parts
-from mirror_explainer.planning.downward.optimal_paths import Layers, Mask, optimal_paths
+from mirror_explainer.planning.downward.optimal_paths import (
+    Effort,
+    Layers,
+    Mask,
+    optimal_paths,
+)
 
 Actions = tuple[str, ...]
 
-# A task with more steps between states on optimal paths than this is not enumerated.
-MOST_STEPS = 500_000
-
 # A plan as one number: so many bits for the count of each action. An optimal plan is in no
-# state twice, so that no count reaches their number.
-_BITS = MOST_STEPS.bit_length()
+# state twice, and no more are looked at.
+_BITS = 20
 
 # While plans are put together, so many times more are kept than will be returned.
 _SPARE = 20
@@ -45,12 +47,12 @@ def optimal_plans(
     goal: Sequence[Fact],
     known: Sequence[str],
     most: int,
-    steps: int = MOST_STEPS,
+    effort: Effort,
 ) -> OptimalPlans | None:
     """Return up to `most` optimal plans that use these operators only; costs are positive.
 
     `known` is one of them. If there are more, a sample is drawn, which the order
-    of the operators decides. None if there are more than so many steps to look at.
+    of the operators decides. None if that is more than the effort allows.
     """
     parts: list[tuple[list[Actions], bool]] = []
     for part in independent_parts(operators):
@@ -58,7 +60,7 @@ def optimal_plans(
         own_goal = [fact for fact in goal if any(_concerns(o, fact[0]) for o in part)]
         counted = {operator.name: operator.cost for operator in part}
         cost = sum(counted[name] for name in known if name in names)
-        plans = _plans_of_part(part, state, own_goal, cost, most, steps)
+        plans = _plans_of_part(part, state, own_goal, cost, most, effort)
         if plans is None:
             return None
         parts.append(plans)
@@ -89,17 +91,17 @@ def _plans_of_part(
     goal: Sequence[Fact],
     cost: int,
     most: int,
-    steps: int,
+    effort: Effort,
 ) -> tuple[list[Actions], bool] | None:
     """Return plans of exactly this cost, and whether these are all; None if that is too much."""
-    paths = optimal_paths(operators, state, goal, cost, steps)
+    paths = optimal_paths(operators, state, goal, cost, effort)
     if paths is None:
         return None
     suffixes, complete = _suffixes(operators, paths.layers, paths.ends, cost, _SPARE * most)
     found = sorted(suffixes.get(paths.start, ()))
     chosen = found if len(found) <= most else Random(0).sample(found, most)
     plans = [_ordered(operators, paths.layers, suffixes, paths.start, plan) for plan in chosen]
-    return plans, complete and len(found) <= most
+    return plans, paths.complete and complete and len(found) <= most
 
 
 def _suffixes(
