@@ -6,16 +6,12 @@ against N: what it takes to choose `n`, `threshold` and `rationality` for a robo
 
 import argparse
 import math
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-# Our matrices are small: numpy's own threads only wait for one another. numpy reads this when it
-# is imported.
-os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-
+import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.offline import (
     add_file_arguments,

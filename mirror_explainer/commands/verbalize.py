@@ -8,10 +8,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-# Our matrices are small: numpy's own threads only wait for one another. numpy reads this when it
-# is imported.
-os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-
+import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.commands.in_words import in_words
 from mirror_explainer.commands.offline import (
     add_file_arguments,

@@ -3,15 +3,12 @@
 import functools
 import gc
 import logging
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-# Our matrices are small: numpy's own threads only take the processors from the robot.
-# numpy reads this when it is imported.
-os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+import mirror_explainer.selection.one_thread  # noqa: F401  # isort: skip
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray

@@ -10,16 +10,13 @@ ten the gap is 0.1 nats or more, or the choosing takes longer than the budget.
 
 import argparse
 import itertools
-import os
 import subprocess
 import sys
 import time
 from collections.abc import Sequence
 from random import Random
 
-# One thread, as in the node; numpy reads this when it is imported.
-os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-
+import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.listener.ends import aims
 from mirror_explainer.listener.goals import Part
 from mirror_explainer.listener.listeners import LISTENERS
