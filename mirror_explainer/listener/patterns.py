@@ -7,7 +7,7 @@ plain entries only.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -49,7 +49,7 @@ def written_out(data: Mapping[str, Any], task: Task | None) -> WrittenOut:
     """
     result = WrittenOut(dict(data))
     choices = Choices(task) if task else None
-    written_goals = _Goals()
+    written_goals = _Goals(_called(data.get('objects')))
     for section, text in (('goals', 'goal'), ('uncertain_facts', 'fact'), ('one_of', 'facts')):
         entries = data.get(section)
         if not isinstance(entries, list):
@@ -118,8 +118,13 @@ def _is_text(item: tuple[Any, Any]) -> bool:
 
 @dataclass
 class _Goals:
-    """The goals written out so far: what several entries stand for is one, and gets all shares."""
+    """The goals written out so far: what several entries stand for is one, and gets all shares.
 
+    `called` is what objects are called in names; where that is the same for two choices of an
+    entry, they are named by the objects.
+    """
+
+    called: Mapping[str, str]
     by_text: dict[str, dict[str, Any]] = field(default_factory=dict)
     by_meaning: dict[Any, dict[str, Any]] = field(default_factory=dict)
 
@@ -133,11 +138,11 @@ class _Goals:
     ) -> list[Any]:
         """Return a goal for each choice that means another one, with equal shares."""
         goals: dict[Any, dict[str, Any]] = {}
+        called = self._naming(str(entry.get('name')), chosen)
         for choice in chosen:
             texts = {'goal': filled(entry['goal'], choice)}
             if isinstance(entry.get('name'), str):
-                called = {v: o.replace('_', ' ').replace('-', ' ') for v, o in choice.items()}
-                texts['name'] = filled(entry['name'], called)
+                texts['name'] = filled(entry['name'], called(choice))
             try:
                 expression = goal_expression(task.model, texts['goal'])
             except InputError as error:
@@ -156,6 +161,33 @@ class _Goals:
             elif weighted and isinstance(known.get('probability'), int | float):
                 known['probability'] += goal['probability']
         return new
+
+    def _naming(
+        self, name: str, chosen: Sequence[Mapping[str, str]]
+    ) -> Callable[[Mapping[str, str]], dict[str, str]]:
+        """Return what says how the objects of a choice are called in names."""
+
+        def plainly(choice: Mapping[str, str]) -> dict[str, str]:
+            return {v: o.replace('_', ' ').replace('-', ' ') for v, o in choice.items()}
+
+        def in_words(choice: Mapping[str, str]) -> dict[str, str]:
+            known = {v: self.called[o] for v, o in choice.items() if o in self.called}
+            return plainly(choice) | known
+
+        names = {filled(name, in_words(choice)) for choice in chosen}
+        plain = {filled(name, plainly(choice)) for choice in chosen}
+        return in_words if len(names) == len(plain) else plainly
+
+
+def _called(objects: Any) -> dict[str, str]:
+    """Return what the objects' section calls which object, as far as it is well-formed."""
+    if not isinstance(objects, dict):
+        return {}
+    return {
+        name.lower(): called
+        for name, called in objects.items()
+        if isinstance(name, str) and isinstance(called, str)
+    }
 
 
 def filled(text: str, choice: Mapping[str, str]) -> str:

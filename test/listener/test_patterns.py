@@ -34,6 +34,15 @@ def test_a_pattern_stands_for_a_goal_for_each_choice_of_objects_subtypes_include
     assert model.goals[3].goal == '(shown dusk west)'
 
 
+def test_names_are_worded_as_the_objects_are_called_unless_two_would_sound_alike(read):
+    model = read("""goals:
+      - {goal: "(shown {s} {r})", for: {s: statue, r: room}, name: "{s} in {r}"}
+      - {goal: "(shown {p} west)", for: {p: painting}, name: "{p}"}
+objects: {east: the eastern room, dawn: the picture, dusk: the picture}""")
+    names = ['faun in the eastern room', 'faun in west', 'dawn', 'dusk']
+    assert [goal.name for goal in model.goals] == names
+
+
 def test_a_patterns_probability_is_shared_equally(read):
     model = read("""goals:
       - {goal: "(shown {p} east)", for: {p: painting}, probability: 3}
