@@ -5,10 +5,12 @@ the node take as it stands.
 """
 
 import argparse
+import os
 import sys
 from collections import Counter
 from collections.abc import Sequence
 
+import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.commands.drafting.document import document
 from mirror_explainer.commands.drafting.facts import doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
@@ -42,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tell(answers, 'bold green')
         else:
             tell(text)
+    except BrokenPipeError:  # whoever reads has enough, as `head` has
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (InputError, PlanningError, OSError) as error:
         tell_error('draft_user_model', error)
         return 2
@@ -81,7 +85,7 @@ def _goals_seen(world: World, paths: Sequence[str]) -> Counter[str]:
     seen: Counter[str] = Counter()
     for path in paths:
         left_out = []
-        for goal, count in read_goals_seen(path).items():
+        for goal, count in read_goals_seen(path).counts.items():
             try:
                 world.parts(goal)
                 seen[goal] += count

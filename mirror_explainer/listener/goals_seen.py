@@ -2,11 +2,15 @@
 
 goals_seen:
   (and (delivered insulin ward_1b) (docked)): 12
+taken_up:
+  (and (delivered insulin ward_1b) (docked)): '2026-05-04T09:30:00+00:00'
 
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from datetime import datetime
 
 import yaml
 
@@ -22,11 +26,20 @@ from mirror_explainer.text_files import read_text
 MOST_GOALS = 300
 _MOST_TIMES = 10**9
 _KEY = 'goals_seen'
+_TAKEN_UP = 'taken_up'
 _CURE = 'Write one goal a line, or remove the file and let the node count anew.'
 
 
-def read_goals_seen(path: str, limits: InputLimits | None = None) -> dict[str, int]:
-    """Return the goals in a file with their counts; raises InputError.
+@dataclass(frozen=True)
+class GoalsSeen:
+    """How often each goal was seen, and when those of late were taken up."""
+
+    counts: Mapping[str, int] = field(default_factory=dict)
+    taken_up: Mapping[str, datetime] = field(default_factory=dict)
+
+
+def read_goals_seen(path: str, limits: InputLimits | None = None) -> GoalsSeen:
+    """Return the goals in a file; raises InputError.
 
     A file that has no counts, but a goal a line, is taken as well; a blank one has no goals.
     """
@@ -34,20 +47,37 @@ def read_goals_seen(path: str, limits: InputLimits | None = None) -> dict[str, i
     lines = [line.strip() for line in text.split('\n')]
     lines = [line for line in lines if line and not line.startswith(('#', ';'))]
     if all(line.startswith('(') and line.endswith(')') for line in lines):
-        return {line: lines.count(line) for line in lines}
+        return GoalsSeen({line: lines.count(line) for line in lines})
     wanted = f'this has no "{_KEY}" with goals and whole numbers'
     _, data = parse_yaml(text, path, wanted)
-    counts = data.get(_KEY) if len(data) == 1 else None
+    counts = data.get(_KEY) if data.keys() <= {_KEY, _TAKEN_UP} else None
     if not isinstance(counts, dict) or not all(map(_is_count, counts.items())):
         raise InputError(path, wanted, cure=_CURE)
-    return dict(counts)
+    moments = data.get(_TAKEN_UP)
+    return GoalsSeen(counts, _moments(moments) if isinstance(moments, dict) else {})
 
 
-def goals_seen_text(counts: Mapping[str, int]) -> str:
+def _moments(written: Mapping[object, object]) -> dict[str, datetime]:
+    """Return the moments that are written as the node writes them; people may have edited."""
+    moments = {}
+    for goal, text in written.items():
+        with suppress(ValueError):
+            moment = datetime.fromisoformat(str(text))
+            if isinstance(goal, str) and moment.tzinfo:
+                moments[goal] = moment
+    return moments
+
+
+def goals_seen_text(seen: GoalsSeen) -> str:
     """Return the file's text, the most frequent goals first, bounded in number."""
-    often = sorted(counts.items(), key=lambda item: -item[1])[:MOST_GOALS]
+    often = dict(sorted(seen.counts.items(), key=lambda item: -item[1])[:MOST_GOALS])
     head = '# Goals that the robot had, and how often. The node counts; you may edit.\n'
-    return head + yaml.safe_dump({_KEY: dict(often)}, sort_keys=False, allow_unicode=True)
+    text = head + yaml.safe_dump({_KEY: often}, sort_keys=False, allow_unicode=True)
+    late = {g: t.isoformat(timespec='seconds') for g, t in seen.taken_up.items() if g in often}
+    if not late:
+        return text
+    head = '# When it took up the latest: a node that starts anew counts none of them twice.\n'
+    return text + head + yaml.safe_dump({_TAKEN_UP: late}, sort_keys=False, allow_unicode=True)
 
 
 def with_goals_seen(user_model: UserModel, task: Task, counts: Mapping[str, int]) -> UserModel:

@@ -9,6 +9,7 @@ from conftest import WAREHOUSE
 from mirror_explainer.errors import InputError
 from mirror_explainer.listener.goals_seen import (
     MOST_GOALS,
+    GoalsSeen,
     goals_seen_text,
     read_goals_seen,
     with_goals_seen,
@@ -69,7 +70,7 @@ def test_of_candidates_that_are_the_same_goal_one_gets_the_sights():
 def test_a_file_may_have_no_goals_yet(tmp_path: Path, text: str):
     file = tmp_path / 'seen.yaml'
     file.write_text(text)
-    assert read_goals_seen(str(file)) == {}
+    assert read_goals_seen(str(file)).counts == {}
 
 
 @pytest.mark.parametrize(
@@ -98,9 +99,9 @@ def test_a_broken_file_is_told_whatever_is_wrong(tmp_path: Path, text: str):
 def test_what_is_written_can_be_read_and_the_rarest_are_dropped(tmp_path: Path):
     file = tmp_path / 'seen.yaml'
     counts = {f'(g {number})': number for number in range(MOST_GOALS + 5)}
-    file.write_text(goals_seen_text(counts))
+    file.write_text(goals_seen_text(GoalsSeen(counts)))
 
-    found = read_goals_seen(str(file))
+    found = read_goals_seen(str(file)).counts
 
     assert list(found.items()) == [*reversed(counts.items())][:MOST_GOALS]
 

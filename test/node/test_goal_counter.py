@@ -48,14 +48,38 @@ def test_each_task_counts_once_and_is_not_among_those_before_it(tmp_path: Path):
 
     assert found == [{}, {'(a)': 1}, {'(a)': 1, '(b)': 1}]
     assert again == found[-1]
-    assert read_goals_seen(str(file)) == {'(a)': 2, '(b)': 1}
+    assert read_goals_seen(str(file)).counts == {'(a)': 2, '(b)': 1}
 
 
 def test_a_new_plan_for_the_same_goal_does_not_count(tmp_path: Path):
     counter = GoalCounter(str(tmp_path / 'seen.yaml'))
     counts(counter, '(a)')
     counter.before(episode(2, REPLANNED), '(a)', LIMITS)
-    assert read_goals_seen(str(tmp_path / 'seen.yaml')) == {'(a)': 1}
+    assert read_goals_seen(str(tmp_path / 'seen.yaml')).counts == {'(a)': 1}
+
+
+def test_a_node_that_is_started_anew_on_its_task_does_not_count_it_again(tmp_path: Path):
+    file = tmp_path / 'seen.yaml'
+    counts(GoalCounter(str(file)), '(b)', '(a)')
+
+    anew = counts(GoalCounter(str(file)), '(a)', '(b)', '(a)')
+
+    # What it was at is not among those before it; what comes after it is new.
+    assert anew == [{'(a)': 0, '(b)': 1}, {'(a)': 1, '(b)': 1}, {'(a)': 1, '(b)': 2}]
+    assert read_goals_seen(str(file)).counts == {'(a)': 2, '(b)': 2}
+
+
+def test_the_same_goal_on_another_day_counts(tmp_path: Path):
+    file = tmp_path / 'seen.yaml'
+    counts(GoalCounter(str(file)), '(a)')
+    written = file.read_text()
+    assert 'taken_up:' in written
+    long_ago = written[: written.index("'")] + "'2026-05-04T09:30:00+00:00'\n"
+    file.write_text(long_ago)
+
+    counts(GoalCounter(str(file)), '(a)')
+
+    assert read_goals_seen(str(file)).counts == {'(a)': 2}
 
 
 def test_without_a_file_nothing_is_counted():
@@ -72,7 +96,7 @@ def test_what_people_write_into_the_file_is_kept_and_its_permissions_too(tmp_pat
     before = counts(GoalCounter(str(link)), '(a)')
 
     assert before == [{'(b)': 7}]
-    assert read_goals_seen(str(file)) == {'(b)': 7, '(a)': 1}
+    assert read_goals_seen(str(file)).counts == {'(b)': 7, '(a)': 1}
     assert file.stat().st_mode & 0o777 == 0o640
     assert link.is_symlink()
 
@@ -84,7 +108,7 @@ def test_of_goals_as_rare_the_oldest_are_dropped_so_that_new_ones_come_in(tmp_pa
 
     counts(GoalCounter(str(file)), '(new)')
 
-    found = read_goals_seen(str(file))
+    found = read_goals_seen(str(file)).counts
     assert len(found) == MOST_GOALS
     assert found['(new)'] == 1
     assert f'(g {MOST_GOALS - 1})' not in found
@@ -120,7 +144,7 @@ def test_a_file_that_cannot_be_used_is_told_and_left_alone_and_nothing_is_lost(
     assert found == [{}, {'(a)': 1}]
     assert f'the goals seen are only kept in memory until this is mended: {file}' in warning
     assert (untouched.st_ino, untouched.st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
-    assert read_goals_seen(str(file)) == {'(a)': 2, '(b)': 1}
+    assert read_goals_seen(str(file)).counts == {'(a)': 2, '(b)': 1}
     assert counter.warning == ''
     assert os.listdir(tmp_path).count('seen.yaml') == 1
     assert len(os.listdir(tmp_path)) == 2
@@ -153,7 +177,7 @@ def test_two_robots_may_share_a_file_and_nothing_is_lost(tmp_path: Path):
     for robot in robots:
         robot.join()
 
-    assert read_goals_seen(file) == {'(a)': 50, '(b)': 50}
+    assert read_goals_seen(file).counts == {'(a)': 50, '(b)': 50}
 
 
 def test_a_running_explainer_counts_and_a_listener_who_knows_takes_it_into_account(
@@ -180,7 +204,7 @@ def test_a_running_explainer_counts_and_a_listener_who_knows_takes_it_into_accou
     assert len(probabilities) == 30
     # One of 30 equal candidates, seen 25 times: (30 · 1/30 + 25) / (30 + 25).
     assert probabilities[GOAL] == pytest.approx(26 / 55)
-    assert read_goals_seen(str(file)) == {GOAL: 26, OTHER_GOAL: 1}
+    assert read_goals_seen(str(file)).counts == {GOAL: 26, OTHER_GOAL: 1}
 
 
 def test_a_file_that_cannot_be_used_takes_no_answer_away(operator, tmp_path: Path):
