@@ -4,16 +4,18 @@
 
 A folder has `domain.pddl`, `problem.pddl`, `plan.txt`, and a `user.yaml` by hand, such as those in
 test/commands/drafted_robots. Prints for each robot, over all pairs: how many drafts take all
-goals by hand, and how many propose them, in comments as well; how many facts and groups of facts
-are found and proposed, at worst; how many name the same ends with at most 1, 2 and 3 sentences;
-and how many tell the listener by hand as much, but for what that one takes for a filler (its
-`min_gain`). With -v each pair that differs.
+goals by hand; how many facts and groups of facts are found and proposed, at worst; and of the
+answers with at most 1, 2 and 3 sentences how many name the same ends, how many name the same ends
+or ones that the model by hand finds exactly as telling (within 1e-9 nats), and how many tell the
+listener by hand as much, but for what that one takes for a filler (its `min_gain`). With -v each
+pair that differs.
 """
 
 import contextlib
 import io
 import sys
 import tempfile
+from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
 
@@ -21,7 +23,7 @@ import pandas as pd
 
 sys.path.insert(0, str(Path(__file__).parents[1] / 'helpers'))
 
-from drafted import Drafted, Robot
+from drafted import TIE, Drafted, Robot
 
 from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.planning import Planner
@@ -44,32 +46,37 @@ def main(folders: list[str], verbose: bool) -> None:
                 if verbose:
                     tell(robot, [goal.name for goal in pair], drafts[-1])
             rows.append(row(robot, drafts))
-    headers = ['robot', 'pairs', 'goals taken', 'goals proposed', 'facts found', 'proposed']
-    headers += [f'same ends, {n}' for n in (1, 2, 3)] + [f'as much, {n}' for n in (1, 2, 3)]
+    headers = ['robot', 'pairs', 'all goals', 'facts found', 'proposed']
+    headers += ['same ends', 'same or a tie', 'but a filler']
     print(markdown_table(pd.DataFrame(rows, columns=headers)))
 
 
 def row(robot: Robot, drafts: list[Drafted]) -> list[object]:
     """Return the table's row of a robot."""
-    answers = [zip(draft.answers, robot.answers, strict=True) for draft in drafts]
-    judged = [
-        [
-            (robot.ends(told) == robot.ends(best), robot.loss(told, best) <= filler(robot))
-            for told, best in pairs
-        ]
-        for pairs in answers
-    ]
-    counts = [sum(answer[n][which] for answer in judged) for which in (0, 1) for n in range(3)]
+    criteria = (
+        robot.same_ends,
+        robot.same_or_tied,
+        lambda told, best: robot.loss(told, best) <= filler(robot),
+    )
     by_hand = drafts[0].by_hand
     return [
         robot.folder.name,
         len(drafts),
         sum(not draft.missing for draft in drafts),
-        sum(not draft.unproposed for draft in drafts),
         f'{min(draft.found for draft in drafts)} of {by_hand}',
         max(draft.proposed for draft in drafts),
-        *counts,
+        *(counts(robot, drafts, criterion) for criterion in criteria),
     ]
+
+
+def counts(
+    robot: Robot,
+    drafts: list[Drafted],
+    criterion: Callable[[frozenset[int], frozenset[int]], bool],
+) -> str:
+    """Return how many drafts' answers fulfil a criterion, with 1, 2 and 3 sentences."""
+    judged = zip(*(map(criterion, draft.answers, robot.answers) for draft in drafts), strict=True)
+    return ', '.join(str(sum(answers)) for answers in judged)
 
 
 def filler(robot: Robot) -> float:
@@ -85,7 +92,8 @@ def tell(robot: Robot, seen: list[str], draft: Drafted) -> None:
         ours, theirs = (sorted(map(str, robot.ends(answer))) for answer in (told, best))
         if ours != theirs:
             loss = robot.loss(told, best)
-            print(f'{seen}: with {n} {ours}, by hand {theirs}, {loss:.3f} nats less')
+            less = 'a tie' if abs(loss) <= TIE else f'{loss:.3f} nats less'
+            print(f'{seen}: with {n} {ours}, by hand {theirs}, {less}')
 
 
 if __name__ == '__main__':

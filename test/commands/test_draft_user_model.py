@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from mirror_explainer.commands.draft_user_model import main
-from mirror_explainer.commands.drafting.goals import MOST_CANDIDATES, candidates
+from mirror_explainer.commands.drafting.goals import MOST_CANDIDATES, MOST_LIFTED, candidates
 from mirror_explainer.commands.drafting.patterns import World
 from mirror_explainer.commands.verbalize import main as verbalize
 from mirror_explainer.listener.user_model import read_user_model
@@ -88,7 +88,7 @@ def test_the_robots_plan_is_made_where_none_is_given_and_each_action_gets_a_sent
 def test_goals_seen_come_by_their_frequency(park, tmp_path):
     seen = tmp_path / 'seen.yaml'
     seen.write_text('goals_seen:\n  (watered lilies): 7\n')
-    text, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
+    _, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
     weights = {entry['goal']: entry['probability'] for entry in model['goals']}
     assert weights['(watered lilies)'] == 7.0
     assert weights['(and (watered roses) (emptied red_bin))'] == 1.0
@@ -97,9 +97,21 @@ def test_goals_seen_come_by_their_frequency(park, tmp_path):
     # 0.3 for that, since it might be the other part as well.
     assert weights['(and (watered {bed}) (emptied {bin}))'] == 2.0
     assert weights['(watered {bed})'] == pytest.approx(2.15)
-    # What nobody saw, a bin alone, is a comment.
-    assert '(emptied {bin})' not in weights
-    assert "  # - {goal: '(emptied {bin})'" in text
+    # The own goal with a part less: once where its form was seen, else 0.3. There is but one
+    # bin: half of 0.3 more, since it stands for its form.
+    assert weights['(watered roses)'] == 1.0
+    assert weights['(emptied red_bin)'] == pytest.approx(0.45)
+
+
+def test_what_all_goals_seen_have_is_not_taken_away(park, tmp_path):
+    own = '(and (watered roses) (emptied red_bin) (at shed))'
+    problem = tmp_path / 'problem.pddl'
+    problem.write_text(PROBLEM.replace('(and (watered roses) (emptied red_bin))', own))
+    seen = tmp_path / 'seen.yaml'
+    seen.write_text('(and (watered lilies) (at shed))')
+    _, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
+    assert all('(at ' in entry['goal'] for entry in model['goals'])
+    assert '(and (emptied red_bin) (at shed))' in {entry['goal'] for entry in model['goals']}
 
 
 def test_a_goal_seen_in_another_problem_is_left_out_with_a_warning(park, tmp_path, capsys):
@@ -200,3 +212,23 @@ def test_what_would_be_too_many_candidates_is_left_out_as_a_comment():
     found = candidates(world, world.parts(task.goal_text), {})
     taken = [candidate for candidate in found if not candidate.left_out]
     assert 0 < sum(candidate.count for candidate in taken) <= MOST_CANDIDATES
+
+
+def test_of_very_many_goals_seen_the_most_frequent_give_patterns_and_it_is_said():
+    rooms = [f'r{n}' for n in range(MOST_LIFTED + 2)]
+    predicates = [f'p{n}' for n in range(MOST_LIFTED + 2)]
+    task = read_task(
+        f"""(define (domain d) (:requirements :strips :typing) (:types room)
+        (:predicates (home) {' '.join(f'({p} ?r - room)' for p in predicates)})
+        (:action rest :effect (home)))""",
+        f"""(define (problem p) (:domain d) (:objects {' '.join(rooms)} - room)
+        (:init) (:goal (home)))""",
+    )
+    seen = {f'({p} r0)': 2 for p in predicates[1:]} | {f'({predicates[0]} r0)': 1}
+    world = World(task)
+    found = candidates(world, world.parts(task.goal_text), seen)
+    patterns = [candidate for candidate in found if candidate.pattern.types]
+    assert len(found) - len(patterns) == 1 + len(seen)
+    assert len(patterns) == MOST_LIFTED
+    assert {c.why for c in patterns} == {f'like the {MOST_LIFTED} most frequent of these'}
+    assert not any(predicates[0] in c.pattern.goal for c in patterns)

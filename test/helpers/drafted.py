@@ -19,20 +19,19 @@ from mirror_explainer.planning import Planner
 from mirror_explainer.settings import Question
 
 NUMBERS = (1, 2, 3)  # of sentences
+TIE = 1e-9  # nats
 
 
 @dataclass(frozen=True)
 class Drafted:
     """What a draft has of the model by hand.
 
-    `missing` are the names of goals that it lacks, `unproposed` of those that are in no comment,
-    either. Of the `by_hand` facts and groups of facts
+    `missing` are the names of goals that it lacks. Of the `by_hand` facts and groups of facts
     it `found` some, and `proposed` so many, those in comments included. `answers` are the plan
     positions that the robot tells of with at most 1, 2 and 3 sentences.
     """
 
     missing: tuple[str, ...]
-    unproposed: tuple[str, ...]
     by_hand: int
     found: int
     proposed: int
@@ -80,8 +79,6 @@ class Robot:
             options += [f'--{name}', str(self.folder / text)]
         assert main([*options, '--plan', str(self.folder / 'plan.txt')]) == 0
         user_model = read_user_model(file, self.task)
-        all_taken = file.read_text().replace('\n  # - {goal:', '\n  - {goal:')
-        proposed = read_user_model(file, self.task, read=lambda _: all_taken)
         # Groups are comments, for a person to choose from.
         groups = [
             set(yaml.safe_load(group)['facts'])
@@ -93,7 +90,6 @@ class Robot:
         found = [group for group in self.by_hand.one_of if any(set(group) <= g for g in groups)]
         return Drafted(
             self._missing(user_model),
-            self._missing(proposed),
             len(self.by_hand.uncertain_facts) + len(self.by_hand.one_of),
             len(facts) + len(found),
             len(user_model.uncertain_facts) + len(groups),
@@ -104,6 +100,14 @@ class Robot:
         """Return the parts of the robot's goal that it brings about at these positions."""
         own = self.model.way.aims[self.model.true_goal][0]
         return frozenset(part for part, position in own.ends.items() if position in positions)
+
+    def same_ends(self, drafted: frozenset[int], by_hand: frozenset[int]) -> bool:
+        """Say whether two answers name the same parts of the robot's goal."""
+        return self.ends(drafted) == self.ends(by_hand)
+
+    def same_or_tied(self, drafted: frozenset[int], by_hand: frozenset[int]) -> bool:
+        """Say the same, or whether the model by hand finds both answers exactly as telling."""
+        return self.same_ends(drafted, by_hand) or abs(self.loss(drafted, by_hand)) <= TIE
 
     def loss(self, drafted: frozenset[int], by_hand: frozenset[int]) -> float:
         """Return how many nats less a draft's answer tells the listener that is by hand."""

@@ -33,6 +33,7 @@ def _goals(candidates: Sequence[Candidate]) -> str:
         '# and do "for" and "where" leave any out? A listener knows of no others.',
         'goals:',
     ]
+    last = ''
     for candidate in candidates:
         entry: dict[str, object] = {'goal': candidate.pattern.goal}
         if candidate.pattern.types:
@@ -41,12 +42,21 @@ def _goals(candidates: Sequence[Candidate]) -> str:
             where = candidate.pattern.where
             entry['where'] = where[0] if len(where) == 1 else f'(and {" ".join(where)})'
         entry['probability'] = round(candidate.weight, 3)
-        note = f' ({candidate.left_out})' if candidate.left_out else ''
-        count = 'one goal' if candidate.count == 1 else f'{candidate.count} goals'
-        lines.append(f'  # {candidate.why}: {count}{note}')
+        comment = f'  # {candidate.why}{_number(candidate)}'
+        if comment != last:
+            lines.append(comment)
+            last = comment
         mark = '  # - ' if candidate.left_out else '  - '
         lines.append(mark + _flow(entry))
     return '\n'.join(lines) + '\n'
+
+
+def _number(candidate: Candidate) -> str:
+    """Say how many goals a pattern stands for, and why they are left out."""
+    note = f' ({candidate.left_out})' if candidate.left_out else ''
+    if not candidate.pattern.types:
+        return note
+    return f': {candidate.count} goals{note}' if candidate.count != 1 else f': one goal{note}'
 
 
 def _facts(doubts: Doubts, true: frozenset[str]) -> str:

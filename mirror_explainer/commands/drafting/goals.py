@@ -1,15 +1,16 @@
 """Candidate goals: the robot's own and those seen, and what is like them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from mirror_explainer.commands.drafting.patterns import Pattern, World
+from mirror_explainer.commands.drafting.patterns import Pattern, World, kind_of
 
 # More candidates than these are left out, as comments.
 MOST_CANDIDATES = 600
+# Of so many goals seen, the most frequent ones, patterns are made.
+MOST_LIFTED = 20
 # How much is expected of goals of nearly the same form, beside those of the same.
 _NEARLY = 0.3
-_PART = 'with a part less'
 
 
 @dataclass(frozen=True)
@@ -32,26 +33,51 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     `own` are the parts of the robot's goal, which counts as seen once more where others
     were seen; `seen` are goals with how often. A goal that is new is expected as often as one
     was: once for each different goal, of its form (Witten and Bell's estimate), and once
-    for each form (Laplace's). Raises InputError for a goal that is none of the task's.
+    for each form (Laplace's). The own goal with a part less counts as seen once where its form
+    was seen. Raises InputError for a goal that is none of the task's.
     """
     often = {tuple(own): 1}
     for goal, count in seen.items():
         parts = world.parts(goal)
         same = next((known for known in often if set(known) == set(parts)), parts)
         often[same] = often.get(same, 0) + count
+    frequent = sorted(often, key=lambda parts: (parts != tuple(own), -often[parts]))
+    lifted = frequent[: 1 + MOST_LIFTED]
+    like = {parts: world.like(parts) for parts in lifted}
+    less = {parts: list(_without_one(parts, often if seen else ())) for parts in lifted}
     found: dict[Pattern, tuple[float, str]] = {}
     if seen:
         for parts, count in often.items():
-            found[Pattern(parts)] = (float(count), "the robot's own goal, or one seen")
-    why = 'like them' if seen else 'like its own'
-    for parts in often:
-        _add(world, found, world.like(parts), why, weight=1.0, first=1.0)
-    for parts in often:
-        for fewer in _without_one(parts):
-            _add(world, found, world.like(fewer), _PART, _NEARLY / len(parts))
-    for parts in often:
+            found[Pattern(parts)] = (float(count), _times(count, parts == tuple(own)))
+        forms = [pattern for patterns in like.values() for pattern in patterns]
+        for fewer in less[tuple(own)]:
+            rest = _same(found, Pattern(fewer))
+            is_of_form = any(world.stands_for(form, rest) for form in forms)
+            before, reason = found.get(rest, (0.0, 'its own with a part less'))
+            found[rest] = (before + (1.0 if is_of_form else _NEARLY), reason)
+    these = 'these' if lifted == frequent else f'the {MOST_LIFTED} most frequent of these'
+    for parts in lifted:
+        why = f'like {these}' if seen else 'like its own'
+        _add(world, found, like[parts], why, weight=1.0, first=1.0)
+    for parts in lifted:
+        for fewer in less[parts]:
+            _add(world, found, world.like(fewer), 'with a part less', _NEARLY / len(parts))
+    for parts in lifted:
         _add(world, found, world.with_one_twice(parts), 'with one object for two', _NEARLY)
-    return list(_bounded(world, found, needless=_PART if seen else ''))
+    return list(_bounded(world, found))
+
+
+def _times(count: int, is_own: bool) -> str:
+    """Say how often a goal was seen; the robot's own counts once for now."""
+    times = 'once' if count == 1 else f'{count} times'
+    if is_own:
+        return "the robot's own goal" + (f', {times} with this one' if count > 1 else '')
+    return f'seen {times}'
+
+
+def _same(found: Iterable[Pattern], goal: Pattern) -> Pattern:
+    """Return the one of these goals that has the same parts in whatever order, or the goal."""
+    return next((known for known in found if set(known.parts) == set(goal.parts)), goal)
 
 
 def _add(
@@ -69,54 +95,37 @@ def _add(
     """
     for pattern in patterns:
         share = weight / len(patterns)
-        wider = next((known for known in found if _stands_for(world, known, pattern)), None)
+        wider = next((known for known in found if world.stands_for(known, pattern)), None)
         if wider:
             found[wider] = (found[wider][0] + share, found[wider][1])
             continue
-        narrower = [known for known in found if known.types and _stands_for(world, pattern, known)]
+        narrower = [known for known in found if known.types and world.stands_for(pattern, known)]
         absorbed = [found.pop(known) for known in narrower]
         reason = absorbed[0][1] if absorbed else why
         share += sum(before for before, _ in absorbed) if absorbed else first / len(patterns)
         found[pattern] = (share, reason)
 
 
-def _stands_for(world: World, wider: Pattern, narrower: Pattern) -> bool:
-    """Say whether a pattern stands for all the goals of another."""
-    if sorted(map(_head, wider.parts)) != sorted(map(_head, narrower.parts)):
-        return False
-    goals, others = (
-        {frozenset(goal) for goal in world.goals(pattern)} for pattern in (wider, narrower)
-    )
-    return goals >= others
-
-
-def _bounded(
-    world: World, found: Mapping[Pattern, tuple[float, str]], needless: str
-) -> Iterator[Candidate]:
-    """Yield the candidates, those taken as long as they are not too many together.
-
-    Those that come from `needless` are left out: where it is known what the robot does, a
-    listener allows for goals with a part less without being told, and for each as much.
-    """
+def _bounded(world: World, found: Mapping[Pattern, tuple[float, str]]) -> Iterator[Candidate]:
+    """Yield the candidates, those taken as long as they are not too many together."""
     total = 0
     for pattern, (weight, why) in found.items():
         count = world.count(pattern)
-        left_out = ''
-        if why == needless:
-            left_out = 'a listener allows for that anyway; take in what it does'
-        elif total and total + count > MOST_CANDIDATES:
-            left_out = 'too many beside the others; choose'
-        else:
-            total += count
+        is_too_much = total > 0 and total + count > MOST_CANDIDATES
+        total += 0 if is_too_much else count
+        left_out = 'too many beside the others; choose' if is_too_much else ''
         yield Candidate(pattern, weight, count, why, left_out)
 
 
-def _head(part: str) -> str:
-    return part.split()[0]
+def _without_one(
+    parts: Sequence[str], often: Collection[tuple[str, ...]]
+) -> Iterator[tuple[str, ...]]:
+    """Yield a goal's parts without one of them, for each one, if any is left.
 
-
-def _without_one(parts: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield a goal's parts without one of them, for each one, if any is left."""
-    if len(parts) > 1:
-        for left_out in range(len(parts)):
-            yield tuple(part for i, part in enumerate(parts) if i != left_out)
+    Of a part that all the goals seen have one of its kind stays.
+    """
+    kinds = {kind_of(part) for part in set.intersection(*map(set, often))} if often else set()
+    for left_out in range(len(parts)):
+        rest = tuple(part for i, part in enumerate(parts) if i != left_out)
+        if rest and kinds <= set(map(kind_of, rest)):
+            yield rest

@@ -31,6 +31,11 @@ class Pattern:
         """The goal, as the user model takes it."""
         return self.parts[0] if len(self.parts) == 1 else f'(and {" ".join(self.parts)})'
 
+    @cached_property
+    def kinds(self) -> list[str]:
+        """The predicates or connectives of the parts, sorted."""
+        return sorted(map(kind_of, self.parts))
+
 
 @dataclass(frozen=True)
 class World:
@@ -130,6 +135,19 @@ class World:
     def _kinds(self, objects: Sequence[str]) -> list[str]:
         return list(dict.fromkeys(self.types[item] for item in objects))
 
+    @cached_property
+    def _meant(self) -> dict[Pattern, frozenset[frozenset[str]]]:
+        return {}
+
+    def stands_for(self, wider: Pattern, narrower: Pattern) -> bool:
+        """Say whether a pattern stands for all the goals of another; both have few."""
+        if wider.kinds != narrower.kinds:
+            return False
+        for pattern in (wider, narrower):
+            if pattern not in self._meant:
+                self._meant[pattern] = frozenset(map(frozenset, self.goals(pattern)))
+        return self._meant[wider] >= self._meant[narrower]
+
     def count(self, pattern: Pattern) -> int:
         """Return how many goals a pattern stands for, counted up to a little over the most."""
         goals = set()
@@ -159,6 +177,11 @@ class World:
         """Say whether all conditions hold whose variables are chosen already."""
         ground = (_renamed(condition, chosen) for condition in where)
         return all('{' in condition or condition in self.static_facts for condition in ground)
+
+
+def kind_of(part: str) -> str:
+    """Return a part's predicate with its bracket, or the connective of a larger condition."""
+    return part.split()[0]
 
 
 def _renamed(text: str, names: Mapping[str, str]) -> str:
