@@ -342,8 +342,8 @@ def test_searches_find_the_operators_where_all_that_matter_are_too_many(
         space = random_space(Random(seed))
         usual, few = found_here(space, most)
         with monkeypatch.context() as patch:
-            patch.setattr(alternatives, '_LITTLE', Effort(steps=0))
-            patch.setattr(alternatives, '_SAMPLED', ())
+            for effort in ('_LITTLE', '_SAMPLED'):
+                patch.setattr(alternatives, effort, Effort(steps=0))
             searched, searches = found_here(space, most)
             more += searches - few
 

@@ -24,7 +24,7 @@ from mirror_explainer.planning.downward.what_matters import GoalTask
 
 # All is looked at if that takes some tenths of a second, then a sample, and after searches more.
 _LITTLE = Effort(steps=10_000)
-_SAMPLED = tuple(Effort(steps=100_000, width=width) for width in (30, 100))
+_SAMPLED = Effort(steps=100_000, width=60)
 _MUCH = Effort(steps=100_000)
 
 
@@ -114,10 +114,13 @@ class Alternatives:
         if complete:
             subject.seen = set.intersection(*(parent.seen for parent in complete))
             return Finding(None)
+        subject.result = self._inherited(subject)
+        if subject.result:
+            return Finding(subject.plan)
         subject.large = subject.large or any(parent.large for parent in alike)
         if not subject.large:
             helpful = {operator.name for operator in self._search(subject)[0].operators}
-            for effort in _SAMPLED if alike else (_LITTLE, *_SAMPLED):
+            for effort in (_SAMPLED,) if alike else (_LITTLE, _SAMPLED):
                 result = self._put_together(subject, helpful, effort)
                 everything = result and (result.all or effort is _LITTLE)
                 if result and (everything or len(result.plans) == self._most):
@@ -187,15 +190,17 @@ class Alternatives:
         cost = self.cost(subject, subject.plan)
         plans = tuple(Plan(actions, cost) for actions in subject.result.plans)
         enough = subject.complete or len(plans) == self._most
-        cut: Cut = '' if subject.result.all else 'number' if enough else 'time'
+        everything = subject.complete and subject.result.all
+        cut: Cut = '' if everything else 'number' if enough else 'time'
         return BeliefPlans(Status.SOLVED, plans, cut=cut)
 
     def _inherited(self, subject: Alternative) -> OptimalPlans | None:
-        """Return all plans of a node with more facts if every one works here, None otherwise."""
+        """Return the plans of a node with more facts if they are enough and all work here."""
         for parent in subject.parents:
-            if parent.complete and parent.result and parent.result.all:
+            if parent.result and parent.cost == subject.cost:
                 plans = parent.result.plans
-                if all(self._walk.checked(subject.node, plan) for plan in plans):
+                enough = len(plans) == self._most or (parent.complete and parent.result.all)
+                if enough and all(self._walk.checked(subject.node, plan) for plan in plans):
                     return parent.result
         return None
 
