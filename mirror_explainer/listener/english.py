@@ -20,6 +20,8 @@ _AFTER_VERBS = word_set(
     'the a an it its them this that these those my your his her their our you me him us some '
     'any each every all up down off out back away over'
 )
+# Words that have a capital only where all words of a name have one.
+_IN_TITLES = word_set('a an and at by for from in into of off on onto or out the to up with')
 # Where the library's word is rarer, or of another meaning.
 _PAST = {'get': 'got', 'lie': 'lain'}
 _PREFIXES = re.compile(r'(?:un|re|de|dis|pre|over|co)-?(?=\w{4})')
@@ -71,7 +73,7 @@ def other_tenses(future: str) -> tuple[str, str] | None:
     verbs = _verbs_of(words)
     if not verbs:
         return None
-    subjects = _SUBJECTS[' '.join(begin[1].lower().split())]
+    subjects = _subjects(begin)
     if _bare(words[verbs[0]]) == 'be':
         present, past = words[: verbs[0]] + words[verbs[0] + 1 :], [*words]
         past[verbs[0]] = 'been'
@@ -84,10 +86,57 @@ def other_tenses(future: str) -> tuple[str, str] | None:
     return ' '.join([subjects[0], *present]), ' '.join([subjects[1], *past])
 
 
+def verb_parameter(future: str) -> str:
+    """Return the parameter that stands where the verb would: "task" for "I will {task}.".
+
+    '' where the sentence does not begin with "I will", or has a word there.
+    """
+    begin = _FUTURE.match(future)
+    words = future[begin.end() :].split() if begin else []
+    first = next((word for word in words if not _is_adverb(word)), '')
+    found = re.fullmatch(r'\{(\w+)\}[.,;:!]?', first)
+    return found[1] if found else ''
+
+
+def as_verb_phrase(name: str) -> str:
+    """Return a task's name as it stands after "I will": "drive to dock 3" for "Drive To Dock 3".
+
+    Also "charge the battery" for "Charging the battery".
+    """
+    first, *rest = (name.lower() if name.isupper() else name).split(' ')
+    if rest and all(word.istitle() for word in rest if word[0].isalpha()):
+        lower = [word.lower() for word in rest]  # a title, or names: "Visit Berlin"
+        is_title = not _IN_TITLES.isdisjoint(lower)
+        rest = [
+            low if is_title or is_known(low) else word
+            for word, low in zip(rest, lower, strict=True)
+        ]
+    first = first[0].lower() + first[1:] if first.istitle() else first
+    return ' '.join([infinitive(first) or first, *rest])
+
+
+def phrase_tenses(future: str, phrase: str) -> tuple[tuple[str, str], tuple[str, str]] | None:
+    """Return ("I am {task}.", "boiling water") and ("I have {task}.", "boiled water").
+
+    These are for "I will {task}." with the phrase "boil water"; None where its verbs are not
+    sure, or the sentence does not begin with "I will".
+    """
+    begin, made = _FUTURE.match(future), other_tenses(f'I will {phrase}')
+    if not begin or not made:
+        return None
+    present, past = (f'{subject} {future[begin.end() :]}' for subject in _subjects(begin))
+    return (present, made[0].removeprefix('I am ')), (past, made[1].removeprefix('I have '))
+
+
 def inability(future: str) -> str | None:
     """Return "I cannot grab it." for "I will grab it.", None for other sentences."""
     begin = _FUTURE.match(future)
     return f'I cannot {future[begin.end() :]}' if begin else None
+
+
+def _subjects(begin: re.Match[str]) -> tuple[str, str]:
+    """Return "I am" and "I have" for "I will" as it is written."""
+    return _SUBJECTS[' '.join(begin[1].lower().split())]
 
 
 def _verbs_of(words: list[str]) -> list[int]:

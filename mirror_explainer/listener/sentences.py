@@ -11,12 +11,18 @@ from functools import cached_property
 from itertools import permutations
 
 from mirror_explainer.listener.distinct import more_parameters
-from mirror_explainer.listener.english import other_tenses
+from mirror_explainer.listener.english import (
+    as_verb_phrase,
+    other_tenses,
+    phrase_tenses,
+    verb_parameter,
+)
 from mirror_explainer.listener.names import Name, object_names, spelling
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.readable import Readable, Readables
 from mirror_explainer.listener.roles import Roles, roles_of
 from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.verb_phrase import DOING
 from mirror_explainer.listener.wording import Template, Wording, parts
 from mirror_explainer.pddl import Task, words_of
 from mirror_explainer.pddl.progress import StepStatus
@@ -24,10 +30,14 @@ from mirror_explainer.pddl.progress import StepStatus
 
 @dataclass(frozen=True)
 class Said:
-    """A step as it is said: a text with parameters in braces, and what is said for each."""
+    """A step as it is said: a text with parameters in braces, and what is said for each.
+
+    `verb` is the parameter that stands for the verb and all behind it, '' if none does.
+    """
 
     text: str
     called: Mapping[str, str]
+    verb: str = ''
 
     @property
     def sentence(self) -> str:
@@ -81,15 +91,34 @@ class Sentences:
         objects = dict(zip(parameters, arguments, strict=True))
         if name in self.templates:
             wording = self.templates[name].chosen(objects, self._types)
-            called = {p: self.objects.get(o, plain_name(o)) for p, o in objects.items()}
+            called = {p: self._plainly(o) for p, o in objects.items()}
         elif name in self.defaults:
             wording = Wording(self.defaults[name].sentence)
             called = self._called(name, objects)
         else:
             places = [f'{{{parameter}}}' for parameter in objects]
             wording = Wording(f'I will {" ".join([plain_name(name), *places])}.')
-            called = {p: self.objects.get(o, plain_name(o)) for p, o in objects.items()}
+            called = {p: self._plainly(o) for p, o in objects.items()}
+        if verb := verb_parameter(wording.future):
+            return self._with_verb(wording, status, called, verb)
         return Said(in_tense(wording, status, self.phrases), called)
+
+    def _with_verb(
+        self, wording: Wording, status: StepStatus, called: Mapping[str, str], verb: str
+    ) -> Said:
+        """Return how an action is said in whose sentence a parameter stands for the verb."""
+        phrase = as_verb_phrase(called[verb])
+        tenses = phrase_tenses(wording.future, phrase)
+        text = in_tense(wording, status, self.phrases)
+        if tenses and status is not StepStatus.AHEAD and text not in wording.given[1:]:
+            text, phrase = tenses[0 if status is StepStatus.RUNNING else 1]
+        return Said(text, {**called, verb: phrase}, verb)
+
+    def _plainly(self, item: str) -> str:
+        """Return what an object is called in a user model's sentence."""
+        if item in self.objects:
+            return self.objects[item]
+        return ' '.join(self.names[item].words) if item in self.names else plain_name(item)
 
     def _called(self, action: str, objects: Mapping[str, str]) -> dict[str, str]:
         """Return what the objects of a default sentence are called, by parameter."""
@@ -130,7 +159,8 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     steps apart.
     """
     parameters = action_parameters(task)
-    roles = {n: r for n, r in roles_of(task).items() if n not in user_model.templates}
+    templates = {**_doings(task), **user_model.templates}
+    roles = {n: r for n, r in roles_of(task).items() if n not in templates}
     facts = _static_facts(task) if roles else []
     names = object_names(task)
     kinds = Counter(kind for name in names.values() for kind in name.kinds)
@@ -139,7 +169,7 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     readables = Readables(roles, spelling(task.written_actions), alone)
     usual = Sentences(
         parameters,
-        user_model.templates,
+        templates,
         user_model.objects,
         {name: readables.of(name) for name in roles},
         names,
@@ -153,6 +183,15 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
 
     more = more_parameters(plan, roles, said)
     return replace(usual, defaults={name: readables.of(name, more[name]) for name in roles})
+
+
+def _doings(task: Task) -> dict[str, Template]:
+    """Return the sentences of actions that only say that a task is done: the task has the verb."""
+    return {
+        action.name: Template(Wording(f'I will {{{action.parameters[0].name}}}.'))
+        for action in task.model.actions
+        if action.name in DOING and [p.type.name for p in action.parameters] == ['task']
+    }
 
 
 def action_parameters(task: Task) -> dict[str, tuple[str, ...]]:

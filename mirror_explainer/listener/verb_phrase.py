@@ -14,7 +14,7 @@ DIRECTIONS = word_set('home up down left right north south east west forward bac
 _ORDINALS = word_set('first second third fourth')
 _ADVERBS = _ORDINALS | word_set('last again now')
 # Verbs that need not be said before another: "do-polish".
-_DOING = word_set('do perform execute')
+DOING = word_set('do perform execute')
 # Verbs with "-ing" after them: "start-charging", unlike "floor-cleaning".
 PHASES = word_set('start stop begin end finish keep continue resume go')
 
@@ -30,7 +30,7 @@ class VerbPhrase:
 def verb_phrase(words: Sequence[str], nouns: Set[str]) -> VerbPhrase:
     """Find the verb in the words of an action's name; `nouns` stand for its parameters."""
     first, *rest = [part for word in words for part in _split(word)]
-    if first in _DOING and rest and is_verb(rest[0]):
+    if first in DOING and rest and is_verb(rest[0]):
         first, *rest = rest
     if first in DIRECTIONS:
         return VerbPhrase('go', (first, *rest))

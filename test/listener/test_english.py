@@ -2,7 +2,7 @@
 
 import pytest
 
-from mirror_explainer.listener.english import infinitive, is_verb, other_tenses
+from mirror_explainer.listener.english import as_verb_phrase, infinitive, is_verb, other_tenses
 
 # Verbs of robots, regular and not, with those that a word list may lack.
 VERBS = {
@@ -94,3 +94,22 @@ def test_verbs_and_their_ing_forms_are_known() -> None:
         '',
         '',
     ]
+
+
+@pytest.mark.parametrize(
+    ('name', 'phrase'),
+    [
+        ('boil water', 'boil water'),
+        ('Boil water', 'boil water'),
+        ('Drive To Dock 3', 'drive to dock 3'),
+        ('Treat The Hive With Oxalic Acid', 'treat the hive with oxalic acid'),
+        ('Visit Berlin', 'visit Berlin'),
+        ('Greet Mary at the door', 'greet Mary at the door'),
+        ('CHECK ALL', 'check all'),
+        ('Charging the battery', 'charge the battery'),
+        ('Bring the ring', 'bring the ring'),
+        ('Öffne Beute 3', 'öffne Beute 3'),
+    ],
+)
+def test_a_tasks_name_is_said_as_what_the_robot_will_do(name: str, phrase: str) -> None:
+    assert as_verb_phrase(name) == phrase

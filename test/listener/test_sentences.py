@@ -1,10 +1,12 @@
 """What each ground action sounds like."""
 
+from conftest import WAREHOUSE
+
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Sentences, action_parameters, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.listener.wording import Template, Wording
-from mirror_explainer.pddl import Task
+from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.progress import StepStatus
 
 
@@ -118,3 +120,55 @@ def test_wordings_by_type_are_for_the_objects_of_the_problem(task: Task) -> None
     sentences = sentences_for(task, model)
 
     assert sentences.of('(move left center)') == 'I will go somewhere.'
+
+
+def tasks_said(*names: str, user_model: UserModel | None = None) -> dict[str, list[str]]:
+    """Return what is said of tasks ahead, going on and done, in the domain of `config/tasks`."""
+    domain = (WAREHOUSE.parent / 'tasks' / 'domain.pddl').read_text()
+    objects = ' '.join(names)
+    task = read_task(
+        domain, f'(define (problem p) (:domain tasks) (:objects {objects} - task) (:goal (and)))'
+    )
+    sentences = sentences_for(task, user_model or UserModel(()))
+    return {n: [sentences.said(f'(do {n.lower()})', s) for s in StepStatus] for n in names}
+
+
+def test_where_a_task_has_the_verb_it_is_said_in_its_tenses_without_a_sentence_of_ones_own() -> (
+    None
+):
+    assert tasks_said(
+        'boil_water', 'Drive_to_the_kitchen', 'MoveToPose', 'take_cup_and_plate'
+    ) == {
+        'boil_water': ['I will boil water.', 'I am boiling water.', 'I have boiled water.'],
+        'Drive_to_the_kitchen': [
+            'I will drive to the kitchen.',
+            'I am driving to the kitchen.',
+            'I have driven to the kitchen.',
+        ],
+        'MoveToPose': ['I will move to pose.', 'I am moving to pose.', 'I have moved to pose.'],
+        # Is the plate taken, or is something plated?
+        'take_cup_and_plate': [
+            'I will take cup and plate.',
+            'I will take cup and plate.',
+            'Already done: I will take cup and plate.',
+        ],
+    }
+
+
+def test_a_sentence_of_ones_own_may_have_a_task_in_the_place_of_its_verb() -> None:
+    wording = Wording("I'll now {task}, with care.", past='{task}: this is done.')
+    model = UserModel((), templates={'do': Template(wording)}, objects={'tea': 'bring the tea'})
+
+    assert tasks_said('tea', user_model=model)['tea'] == [
+        "I'll now bring the tea, with care.",
+        "I'm now bringing the tea, with care.",
+        'bring the tea: this is done.',
+    ]
+
+
+def test_names_are_spelt_as_they_were_told() -> None:
+    model = UserModel((), templates={'do': Template(Wording('Gleich: {task}.'))})
+
+    assert tasks_said('Öffne_Beute_3', user_model=model)['Öffne_Beute_3'][0] == (
+        'Gleich: Öffne Beute 3.'
+    )

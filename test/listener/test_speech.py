@@ -125,3 +125,17 @@ def test_a_robot_at_its_goal_says_what_it_achieved() -> None:
 def test_a_robot_that_is_stuck_says_with_what() -> None:
     assert stuck(sentences(), '(shoot mill)') == 'I am stuck: I cannot photograph the mill.'
     assert stuck(sentences(failed='Help! {step}'), '(next a)') == 'Help! a is next.'
+
+
+def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None:
+    tasks = Sentences({'do': ('task',)}, {'do': Template(Wording('I will {task}.'))})
+    names = ['(do boil_water)', '(do drive_to_the_hall)', '(do wait)']
+
+    told = {status: spoken(tasks, [(name, status) for name in names]) for status in StepStatus}
+
+    assert told == {
+        AHEAD: 'I will boil water, drive to the hall and wait.',
+        RUNNING: 'I am boiling water, driving to the hall and waiting.',
+        DONE: 'I have boiled water, driven to the hall and waited.',
+    }
+    assert stuck(tasks, '(do boil_water)') == 'I am stuck: I cannot boil water.'
