@@ -104,7 +104,9 @@ def _opening(preparation: Preparation, last_episode: int | None) -> str:
     situation, phrases = preparation.situation, preparation.sentences.phrases
     if situation is None or last_episode in (None, situation.number):
         return ''
-    return {NEW_TASK: phrases.new_task, REPLANNED: phrases.replanned}.get(situation.reason, '')
+    if situation.reason == REPLANNED or situation.like_before:
+        return phrases.replanned
+    return phrases.new_task if situation.reason == NEW_TASK else ''
 
 
 def _selection(

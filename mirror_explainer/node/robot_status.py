@@ -9,6 +9,7 @@ from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.pddl.situation import (
     Situation,
     begun_again,
+    gone_back,
     next_situation,
     situation_of,
 )
@@ -23,6 +24,7 @@ class RobotStatus:
     def __init__(self) -> None:
         self._situation: Situation | None = None
         self._stale: Text | None = None
+        self._told, self._told_in = '', ''  # the last progress text, and the problem it came with
 
     def update(
         self,
@@ -60,6 +62,10 @@ class RobotStatus:
         if progress:
             if situation.begins_again(progress.text):
                 situation = begun_again(situation)
+            elif problem.text != self._told_in:
+                situation = gone_back(situation, progress.text, *given)
             situation = situation.telling(progress.text, progress.source)
+            if progress.text != self._told:
+                self._told, self._told_in = progress.text, problem.text
         self._situation = situation
         return situation

@@ -69,6 +69,11 @@ class Progress:
             2 if own is StepStatus.DONE else own is StepStatus.RUNNING for own in self.steps
         )
 
+    def undone(self, before: 'Progress') -> tuple[int, ...]:
+        """Return the positions of the steps that were done before, and are not any more."""
+        done = self.positions(StepStatus.DONE)
+        return tuple(p for p in before.positions(StepStatus.DONE) if p not in done)
+
     def positions(self, *statuses: StepStatus) -> tuple[int, ...]:
         """Return the positions, from 0, of the steps of which one of these is true."""
         return tuple(index for index, own in enumerate(self.steps) if own in statuses)
@@ -136,11 +141,7 @@ def _require_no_way_back(
     progress: Progress, known: Progress, actions: Sequence[str], source: str
 ) -> None:
     """Raise InputError for a step that was done, and is not any more."""
-    undone = [
-        action
-        for action, new, old in zip(actions, progress.steps, known.steps, strict=True)
-        if old is StepStatus.DONE and new is not StepStatus.DONE
-    ]
+    undone = [actions[position] for position in progress.undone(known)]
     if undone:
         raise InputError(
             source,

@@ -4,13 +4,15 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
+from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.episode import Episode, begin, goal_of
 from mirror_explainer.pddl.following import follow
+from mirror_explainer.pddl.plan_check import missing_goals
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.problem_text import with_state
 from mirror_explainer.pddl.progress import Progress, read_progress
-from mirror_explainer.pddl.states import Evaluator
+from mirror_explainer.pddl.states import Evaluator, UnknownNumberError
 from mirror_explainer.pddl.task import Task
 
 FIRST, REPLANNED, NEW_TASK, AGAIN = 'first', 'replanned', 'new task', 'again'
@@ -22,8 +24,9 @@ class Situation:
 
     `domain` and `problem` are the texts of its task, with the state in which it began;
     `reason` is why it began: FIRST, REPLANNED for the same goal, AGAIN for that once it was
-    reached, or NEW_TASK. `seen` is the progress that states show, `told` what the robot itself
-    says of it, if it does.
+    reached, or NEW_TASK. That is `like_before` where a part of its goal was one of the goal
+    before as well, which was not reached, and is still to be achieved. `seen` is the progress
+    that states show, `told` what the robot itself says of it, if it does.
     """
 
     episode: Episode
@@ -32,6 +35,7 @@ class Situation:
     problem: str
     number: int = 1
     reason: str = FIRST
+    like_before: bool = False
     began: datetime | None = None
     told: Progress | None = None
 
@@ -95,7 +99,7 @@ def next_situation(
     itself (`is_told`) is in the episode as long as its plan is the whole plan of that, whatever
     its state. Raises InputError.
     """
-    same_goal = False
+    same_goal = like_before = False
     if domain == before.domain:
         task = read(problem)
         same_goal = goal_of(task) == before.episode.goal
@@ -105,10 +109,11 @@ def next_situation(
         seen = follow(before.episode, state, before.seen, steps, uncertain, task)
         if seen is not None:
             return replace(before, seen=seen)
+        like_before = not same_goal and _shares_goal(before, task)
     new = situation_of(domain, problem, steps, read, source, limits)
     renewed = AGAIN if before.progress.finished else REPLANNED
     reason = renewed if same_goal else NEW_TASK
-    return replace(new, number=before.number + 1, reason=reason)
+    return replace(new, number=before.number + 1, reason=reason, like_before=like_before)
 
 
 def begun_again(situation: Situation) -> Situation:
@@ -119,5 +124,44 @@ def begun_again(situation: Situation) -> Situation:
         told=None,
         number=situation.number + 1,
         reason=AGAIN,
+        like_before=False,
         began=datetime.now().astimezone(),
     )
+
+
+def gone_back(
+    situation: Situation,
+    text: str,
+    domain: str,
+    problem: str,
+    steps: Sequence[Step],
+    read: Callable[[str], Task],
+    source: str = 'plan',
+    limits: InputLimits | None = None,
+) -> Situation:
+    """Return the situation of a robot that does steps of its plan again before it is done.
+
+    It tells that by a progress text, and its newer state agrees; else nothing has changed.
+    """
+    told = read_progress(text, situation.episode.actions)
+    if situation.told is None or not told.undone(situation.told):
+        return situation
+    try:
+        new = situation_of(domain, problem, steps, read, source, limits)
+    except InputError:
+        return situation
+    if new.episode.actions != situation.episode.actions or told.undone(new.seen):
+        return situation
+    return replace(new, number=situation.number + 1, reason=REPLANNED)
+
+
+def _shares_goal(before: Situation, task: Task) -> bool:
+    """Say whether a part of a goal that was not reached is still to be achieved in a task."""
+    if before.progress.finished:
+        return False
+    evaluator = Evaluator(task)
+    try:
+        missing = missing_goals(task, evaluator.first_state(), evaluator)
+    except (UnknownNumberError, NotImplementedError):
+        return False
+    return not before.episode.goal.isdisjoint(map(str, missing))

@@ -122,6 +122,21 @@ def test_a_state_that_the_plan_does_not_lead_through_begins_a_new_episode(
 
 def test_another_goal_is_a_new_task(robot: Operator) -> None:
     report(robot)
+    begin, end = PROBLEM.index('(:goal'), PROBLEM.rindex(')')
+    robot.publish(
+        problem=f'{PROBLEM[:begin]}(:goal (robot-at center)){PROBLEM[end:]}', plan=LINES[0]
+    )
+
+    second = report(robot)
+
+    assert (second['episode']['number'], second['episode']['reason']) == (2, 'new task')
+    assert second['spoken'] == 'I have a new task.\nI will navigate to the central corridor.'
+
+
+def test_a_goal_that_shares_what_is_still_to_be_achieved_is_told_as_another_plan(
+    robot: Operator,
+) -> None:
+    report(robot)
     robot.publish(
         problem=PROBLEM.replace('(holding blue_cube)', '(holding red_circle)'),
         plan='\n'.join([*LINES[:2], *LINES[5:]]),
@@ -130,7 +145,7 @@ def test_another_goal_is_a_new_task(robot: Operator) -> None:
     second = report(robot)
 
     assert (second['episode']['number'], second['episode']['reason']) == (2, 'new task')
-    assert second['spoken'].startswith('I have a new task.\nI will ')
+    assert second['spoken'].startswith('I have changed my plan.\nI will grab a red circle.')
 
 
 def test_a_robot_may_tell_its_progress_itself(robot: Operator) -> None:
