@@ -6,6 +6,7 @@ For whoever does not program in Python; who does may call `TaskList` from the ro
 from collections.abc import Sequence
 
 from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
@@ -21,8 +22,8 @@ class TaskListRobot(Node):
     """Publishes what `TaskList` does from what it hears on `tasks` (std_msgs/String).
 
     Each message is the whole list, one task a line, in order, with `done:`, `running:`
-    or `failed:` before those that have begun. An empty one: nothing to do. The parameter
-    `known_tasks` names tasks that the robot may have at other times.
+    or `failed:` before those that have begun. An empty one: nothing to do. The parameters
+    `known_tasks` and `user_model_file` name tasks that the robot may have at other times.
     """
 
     def __init__(self) -> None:
@@ -34,10 +35,21 @@ class TaskListRobot(Node):
                 description='all tasks that the robot may ever have', read_only=True
             ),
         ).value
-        self._tasks = TaskList(self, known or ())
+        user_model_file = self.declare_parameter(
+            'user_model_file',
+            '',
+            ParameterDescriptor(
+                description='the user model, whose goals name such tasks, too', read_only=True
+            ),
+        ).value
+        self._tasks = TaskList(self, known or (), user_model_file)
         # A volatile publisher is heard by the first, a late start made good by the second.
-        for qos in (QoSProfile(depth=10), LATCHED):
-            self.create_subscription(String, 'tasks', self._on_tasks, qos)
+        for qos in (heard_now := QoSProfile(depth=10), LATCHED):
+            # Only what the volatile one can't hear is not heard: warn of that.
+            warnings = SubscriptionEventCallbacks(use_default_callbacks=qos is heard_now)
+            self.create_subscription(
+                String, 'tasks', self._on_tasks, qos, event_callbacks=warnings
+            )
 
     def _on_tasks(self, message: String) -> None:
         try:
@@ -52,7 +64,7 @@ def main(args: Sequence[str] | None = None) -> None:
     parser = command_parser(
         'task_list_robot',
         'Tell the explainer the tasks that are heard on the topic "tasks".',
-        f"{command} --ros-args -p known_tasks:='[boil water, fetch the cup]'",
+        f'{command} --ros-args -p user_model_file:=/path/user_model.yaml',
         ends='Parameters follow --ros-args.',
     )
     run(TaskListRobot, parser, args)

@@ -15,29 +15,34 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.node.behaviour_tree import Kinds, TreeNode, all_tasks, tree_tasks
+from mirror_explainer.text_files import read_text
 
 STANDINGS = ('ahead', 'running', 'done', 'failed')
 TOPICS = ('domain', 'problem', 'progress', 'plan')
+_NEVER = 'never_told'  # a task that is never done
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class TaskList:
     """Tells the explainer a robot's tasks; publishes `domain`, `problem`, `plan`, `progress`.
 
-    `node` is any node of the robot's; the topics are in its namespace. `known` names all
-    tasks that the robot may ever have, so that the user model may speak of them; those
-    that were told once are known, too.
+    `node` is any node of the robot's; the topics are in its namespace. All tasks that the
+    explainer's `user_model_file` speaks of must be known to it: those in the goals of that
+    file are, if it is named here, too, and those that `known` names, or that were told once.
 
-        tasks = TaskList(node, known=['fetch the cup', 'wipe the table'])
+        tasks = TaskList(node, user_model_file='user_model.yaml')
         tasks.tell([('drive to the kitchen', 'done'), ('fetch the cup', 'running')])
 
-    Call `tell` as often as you like, such as after each tick: what has not changed is
-    not published again. Raises InputError for a task or a standing that cannot be told.
+    Call `tell` or `tell_tree` as often as you like, such as after each tick: what has not
+    changed is not published again. Raises InputError for a task or a standing that cannot be
+    told, and for a file that cannot be read.
     """
 
-    def __init__(self, node: Node, known: Iterable[str] = ()) -> None:
-        self._known = {task_name(task) for task in known}
-        self._goal = '(and)'
+    def __init__(self, node: Node, known: Iterable[str] = (), user_model_file: str = '') -> None:
+        named = named_tasks(read_text(user_model_file)) if user_model_file else ()
+        self._known = _spelling([*named, *known])
+        self._goal = ''
         self._told: dict[str, str] = {}
         self._outputs = {topic: node.create_publisher(String, topic, LATCHED) for topic in TOPICS}
         share = Path(get_package_share_directory('mirror_explainer'))
@@ -46,15 +51,26 @@ class TaskList:
     def tell(self, tasks: Iterable[tuple[str, str]], ends: Collection[str] = ()) -> None:
         """Tell the tasks in order, each with its standing: ahead, running, done or failed.
 
-        `ends` are those that the others are for; without them all are. No tasks: the
+        `ends` are those of them that the others are for; without them all are. No tasks: the
         robot has nothing to do.
         """
         texts = task_texts(tasks, ends)
         self._known |= texts.names
         self._goal = texts.goal or self._goal
-        self._publish('problem', problem_text(self._known, texts.done, self._goal))
+        self._publish('problem', problem_text(self._known.values(), texts.done, self._goal))
         self._publish('progress', texts.progress)
         self._publish('plan', texts.plan)
+
+    def tell_tree(self, root: TreeNode, leaves: Kinds, ends: Collection[str] = ()) -> None:
+        """Tell the tasks that a behaviour tree of py_trees means to do (see `tree_tasks`).
+
+        They are the nodes of the class `leaves`, or of one of these classes. `ends` are
+        names of nodes anywhere in the tree: those in the branches that it means to run count.
+        """
+        if not_there := {*ends}.difference(every := [*all_tasks(root, leaves)]):
+            raise _no_task(min(not_there), every)
+        tasks = tree_tasks(root, leaves)
+        self.tell(tasks, [end for end in ends if any(end == task for task, _ in tasks)])
 
     def _publish(self, topic: str, text: str) -> None:
         if self._told.get(topic) != text:
@@ -63,9 +79,13 @@ class TaskList:
 
 
 class TaskTexts(NamedTuple):
-    """What a list of tasks says in PDDL: names, those done, goal, plan and progress."""
+    """What a list of tasks says in PDDL.
 
-    names: frozenset[str]
+    These are the names as they are spelt, by name in lower case, the names of those that are
+    done, the goal, the plan and the progress.
+    """
+
+    names: dict[str, str]
     done: frozenset[str]
     goal: str
     plan: str
@@ -74,10 +94,15 @@ class TaskTexts(NamedTuple):
 
 def task_texts(tasks: Iterable[tuple[str, str]], ends: Collection[str] = ()) -> TaskTexts:
     """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
-    named = [(task_name(task), checked_standing(standing)) for task, standing in tasks]
-    goals = [task_name(end) for end in ends] or list(dict.fromkeys(name for name, _ in named))
+    told = [(task, checked_standing(standing)) for task, standing in tasks]
+    names = _spelling(task for task, _ in told)
+    named = [(task_name(task).lower(), standing) for task, standing in told]
+    for end in ends:
+        if task_name(end).lower() not in names:
+            raise _no_task(end, [task for task, _ in told])
+    goals = dict.fromkeys([task_name(end).lower() for end in ends] or names)
     return TaskTexts(
-        names=frozenset(name for name, _ in named) | frozenset(goals),
+        names=names,
         done=frozenset(name for name, standing in named if standing == 'done'),
         goal=f'(and {" ".join(f"(done {name})" for name in goals)})' if goals else '',
         plan='\n'.join(f'(do {name})' for name, _ in named),
@@ -88,13 +113,22 @@ def task_texts(tasks: Iterable[tuple[str, str]], ends: Collection[str] = ()) -> 
 
 
 def problem_text(known: Collection[str], done: Collection[str], goal: str) -> str:
-    """Return the problem in which these tasks are known, and these done."""
-    objects = f'{" ".join(sorted(known))} - task' if known else ''
+    """Return the problem in which these tasks are known, and these done.
+
+    A robot that never had a goal has one here that no plan will reach: it is not done.
+    """
+    if not goal:
+        known, goal = [*known, _NEVER], f'(done {_NEVER})'
     facts = ' '.join(f'(done {name})' for name in sorted(done))
     return (
-        f'(define (problem tasks) (:domain tasks)\n  (:objects {objects})\n'
+        f'(define (problem tasks) (:domain tasks)\n  (:objects {" ".join(sorted(known))} - task)\n'
         f'  (:init {facts})\n  (:goal {goal}))\n'
     )
+
+
+def named_tasks(user_model: str) -> list[str]:
+    """Return the tasks that a user model's text names, as in `(done boil_water)`."""
+    return re.findall(r'\(\s*done\s+([^\s(){}]+)\s*\)', user_model, re.IGNORECASE)
 
 
 def parsed_tasks(text: str) -> list[tuple[str, str]]:
@@ -111,8 +145,8 @@ def parsed_tasks(text: str) -> list[tuple[str, str]]:
 
 
 def task_name(task: str) -> str:
-    """Return a task's name in PDDL: "Fetch the cup" is `fetch_the_cup`."""
-    name = re.sub(r'\W+', '_', task.lower()).strip('_')
+    """Return a task's name in PDDL, `Fetch_the_cup`, where capitals do not count."""
+    name = re.sub(r'\W+', '_', task).strip('_')
     if not name:
         raise InputError('tasks', f'a task needs a name, which "{task}" is not')
     return name if name[0].isalpha() else f'task_{name}'
@@ -124,3 +158,12 @@ def checked_standing(standing: str) -> str:
         meant = did_you_mean(standing, STANDINGS)
         raise InputError('tasks', f'a task is {", ".join(STANDINGS)}, not "{standing}"{meant}')
     return standing
+
+
+def _spelling(tasks: Iterable[str]) -> dict[str, str]:
+    """Return the tasks' names by name in lower case; of several spellings the last."""
+    return {name.lower(): name for name in map(task_name, tasks)}
+
+
+def _no_task(end: str, tasks: Iterable[str]) -> InputError:
+    return InputError('tasks', f'the end "{end}" is none of the tasks{did_you_mean(end, tasks)}')

@@ -1,11 +1,18 @@
 """Robots without PDDL: lists of tasks, behaviour trees, and what the explainer says of them."""
 
+import json
+import subprocess
+import sys
+
 import pytest
 from patience import eventually
+from task_robot import robot_of
+from test_live_explainer import operator
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.node.task_list import (
     TaskList,
+    named_tasks,
     parsed_tasks,
     problem_text,
     task_name,
@@ -13,6 +20,7 @@ from mirror_explainer.node.task_list import (
 )
 from mirror_explainer.pddl import read_task
 
+__all__ = ['operator']  # the fixture
 TEA = ['Drive to the kitchen', 'Boil water', 'Bring the tea']
 
 
@@ -22,11 +30,18 @@ def test_a_list_of_tasks_is_a_plan_whose_goal_is_that_all_are_done():
     assert texts.progress == 'done: (do boil_water)\nrunning: (do bring_the_tea)'
     assert texts.goal == '(and (done boil_water) (done bring_the_tea))'
     assert texts.done == {'boil_water'}
+    assert texts.names == {'boil_water': 'Boil_water', 'bring_the_tea': 'Bring_the_tea'}
 
 
 def test_with_ends_only_these_are_the_goal():
     texts = task_texts([('Boil water', 'ahead'), ('Bring the tea', 'ahead')], ['Bring the tea'])
     assert texts.goal == '(and (done bring_the_tea))'
+
+
+def test_an_end_that_is_none_of_the_tasks_is_refused():
+    tasks = [('Boil water', 'ahead'), ('Bring the tea', 'ahead')]
+    with pytest.raises(InputError, match='"Bring tea" is none of the tasks .*"Bring the tea"'):
+        task_texts(tasks, ['Bring tea'])
 
 
 def test_a_task_that_comes_twice_is_twice_in_the_plan_and_once_in_the_goal():
@@ -38,8 +53,11 @@ def test_a_task_that_comes_twice_is_twice_in_the_plan_and_once_in_the_goal():
 @pytest.mark.parametrize(
     ('task', 'name'),
     [
-        ('Fetch the cup', 'fetch_the_cup'),
+        ('Fetch the cup', 'Fetch_the_cup'),
         ('  pick-up: box #3 ', 'pick_up_box_3'),
+        ('MoveToPose', 'MoveToPose'),
+        ('Öffne Beute 3', 'Öffne_Beute_3'),
+        ('hive/Open #3 (left)!', 'hive_Open_3_left'),
         ('3rd round', 'task_3rd_round'),
     ],
 )
@@ -64,6 +82,72 @@ def test_a_text_names_a_task_a_line():
     ]
 
 
+def test_a_user_model_names_tasks(warehouse):
+    names = named_tasks((warehouse.parent / 'tasks' / 'user_model.yaml').read_text())
+    assert 'water_the_plants' in names
+    assert named_tasks('goal: (and ( done boil_water )\n (DONE Tea) (done {t}) (undone x))') == [
+        'boil_water',
+        'Tea',
+    ]
+
+
+def test_a_list_of_tasks_needs_nothing_that_the_systems_python_lacks():
+    needed = 'import mirror_explainer.node.task_list, sys; print(*sys.modules)'
+    modules = subprocess.run(
+        [sys.executable, '-c', needed], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert not {'unified_planning', 'pydantic', 'lemminflect', 'py_trees'} & {*modules}
+
+
+@pytest.fixture
+def robot(operator, warehouse):
+    """The example robot with tasks, and who asks it."""
+    return robot_of(operator, str(warehouse.parent / 'tasks' / 'user_model.yaml'))
+
+
+def test_a_robot_without_a_task_has_nothing_to_do(robot):
+    robot.tasks.tell([])
+    at_first = robot.refusal()
+    robot.tasks.tell([(TEA[0], 'done'), *((task, 'ahead') for task in TEA[1:])])
+    told = robot.answer()
+    robot.tasks.tell([])
+
+    assert (at_first, robot.refusal()) == ('I have nothing to do right now.',) * 2
+    assert told.startswith('I will ')
+
+
+def test_tasks_are_told_in_their_tenses(robot):
+    robot.tasks.tell([(TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead')])
+    assert robot.answer() == 'I am boiling water.\nI will bring the tea.'
+    robot.tasks.tell([(task, 'done') for task in TEA])
+    assert robot.answer() == 'I have boiled water and brought the tea.\nI am done.'
+
+
+def test_tasks_in_the_place_of_some_are_another_plan_and_other_tasks_a_new_one(robot):
+    def begun(*tasks: str) -> str:
+        robot.tasks.tell([(task, 'ahead') for task in tasks])
+        return robot.answer().split('\n')[0]
+
+    assert begun(*TEA) == 'I will boil water and bring the tea.'
+    assert begun(TEA[0], 'Make coffee', TEA[2]) == 'I have changed my plan.'
+    assert json.loads(robot.published[-1][1])['episode']['reason'] == 'new task'
+    assert begun('Collect the cups', 'Wipe the table') == 'I have a new task.'
+    robot.tasks.tell([('Collect the cups', 'done'), ('Wipe the table', 'done')])
+    assert robot.answer().endswith('I am done.')
+    # That part is to be done once more, and not: the task before is over.
+    assert begun('Collect the cups', 'Fill the can') == 'I have a new task.'
+
+
+def test_a_robot_that_goes_back_in_its_list_begins_it_again(robot):
+    robot.tasks.tell([(TEA[0], 'done'), (TEA[1], 'failed'), (TEA[2], 'ahead')])
+    stuck = robot.answer()
+    robot.tasks.tell([(TEA[0], 'running'), (TEA[1], 'ahead'), (TEA[2], 'ahead')])
+
+    assert stuck.split('\n')[0] == 'I am stuck: I cannot boil water.'
+    assert robot.answer().split('\n')[0] == 'I have changed my plan.'
+    assert json.loads(robot.published[-1][1])['plan'][0]['status'] == 'running'
+
+
 @pytest.fixture
 def asked(peer, tmp_path, warehouse):
     """A peer whose explainer has the user model of the example robot with tasks."""
@@ -74,47 +158,30 @@ def asked(peer, tmp_path, warehouse):
         yield peer
 
 
-def test_a_behaviour_tree_tells_its_leaves_after_each_tick(asked):
-    py_trees = pytest.importorskip('py_trees', reason='needs py-trees')
-    standing = {
-        py_trees.common.Status.INVALID: 'ahead',
-        py_trees.common.Status.RUNNING: 'running',
-        py_trees.common.Status.SUCCESS: 'done',
-        py_trees.common.Status.FAILURE: 'failed',
-    }
+def test_a_node_of_the_robots_tells_the_explainer_its_tasks(asked):
     known = ['Collect the cups', 'Wipe the table', 'Fill the can', 'Water the plants']
     tasks = TaskList(asked.node, known)
-
-    def tell(tree: py_trees.trees.BehaviourTree) -> None:
-        leaves = [node for node in tree.root.iterate() if not node.children]
-        tasks.tell((leaf.name, standing[leaf.status]) for leaf in leaves)
-
-    serve_tea = py_trees.composites.Sequence('Serve tea', memory=True)
-    for name in TEA:
-        success = py_trees.common.Status.SUCCESS
-        serve_tea.add_child(py_trees.behaviours.TickCounter(name, 1, success))
-    tree = py_trees.trees.BehaviourTree(serve_tea)
-    tree.add_post_tick_handler(tell)
     progress = asked.hear('progress')
 
-    tree.tick()
+    tasks.tell([(TEA[0], 'running'), (TEA[1], 'ahead'), (TEA[2], 'ahead')])
 
     assert asked.answer() == 'I will bring the tea.'
     eventually(lambda: progress == ['running: (do drive_to_the_kitchen)'], 'the first progress')
-    tree.tick()
+    tasks.tell([(TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead')])
     eventually(
         lambda: progress[-1] == 'done: (do drive_to_the_kitchen)\nrunning: (do boil_water)',
         'the progress after a task is done',
     )
 
 
-def test_a_robot_that_sends_its_tasks_as_a_text_is_explained(asked, tmp_path):
+def test_a_robot_that_sends_its_tasks_as_a_text_is_explained(asked, tmp_path, warehouse):
     from ros_peer import running
 
-    known = '[collect the cups, wipe the table, fill the can, water the plants]'
+    model = str(warehouse.parent / 'tasks' / 'user_model.yaml')
     namespace = asked.node.get_namespace()
-    with running('task_list_robot', namespace, tmp_path, known_tasks=known) as process:
-        asked.publish('tasks', 'drive to the kitchen\nboil water\nbring the tea')
+    with running('task_list_robot', namespace, tmp_path, user_model_file=model) as process:
+        asked.publish('tasks', 'drive to the kitchen\nboil water\nbring the tea', latched=False)
         assert asked.answer() == 'I will bring the tea.'
-        asked.publish('tasks', 'done: !')
+        asked.publish('tasks', 'done: !', latched=False)
         eventually(lambda: 'a task needs a name' in process.log, 'what is wrong in the log')
+        assert 'incompatible QoS' not in process.log
