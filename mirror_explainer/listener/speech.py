@@ -20,7 +20,8 @@ def spoken(sentences: Sentences, steps: Sequence[Step], unsaid: Sequence[Step] =
 
     Neighbours of one tense that differ in one object become one sentence: "I will photograph
     the bridge, the tower and the lock." A list is heard as the whole of it: so one that steps
-    left `unsaid` would be in, too, ends with "and others".
+    left `unsaid` would be in, too, ends with "and others"; not one of whole tasks, "I will wash
+    the cup and wait.", which promises no more than two sentences would.
     """
     groups: list[list[Said]] = []
     last: StepStatus | None = None
@@ -72,9 +73,10 @@ def _together(group: Sequence[Said], unsaid: Sequence[Said], phrases: Phrases) -
     parameter = _differing(group)
     before = next(text for text, place in parts(group[0].text) if place == parameter).split()
     article = f'{before[-1]} ' if before and before[-1] in _ARTICLES else ''
-    first, *others = [said.called[parameter] for said in group]
-    listed = [first, *(article + called for called in others)]
-    if phrases.others and any(_differing([*group, said]) == parameter for said in unsaid):
+    first, *following = [said.called[parameter] for said in group]
+    listed = [first, *(article + called for called in following)]
+    others_left = any(_differing([*group, said]) == parameter for said in unsaid)
+    if others_left and phrases.others and parameter != group[0].verb:
         listed.append(phrases.others)
     *most, last = listed
     together = f'{", ".join(most)} {phrases.and_} {last}'

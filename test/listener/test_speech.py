@@ -138,4 +138,8 @@ def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None
         RUNNING: 'I am boiling water, driving to the hall and waiting.',
         DONE: 'I have boiled water, driven to the hall and waited.',
     }
+    # "Boil water, drive to the hall and others" would be no English.
+    assert spoken(tasks, ahead(*names[:2]), ahead(names[2])) == (
+        'I will boil water and drive to the hall.'
+    )
     assert stuck(tasks, '(do boil_water)') == 'I am stuck: I cannot boil water.'
