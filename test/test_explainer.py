@@ -200,7 +200,7 @@ def test_below_the_threshold_already_there_is_nothing_more_to_say(operator: Prep
     assert len(explain(operator, question).sentences) == 1  # a first answer has a sentence
     again = explain(operator, question, [EXIT])
     assert again.sentences == ()
-    assert again.spoken == 'There is nothing more that you need to know.'
+    assert again.spoken == 'The rest is only details.'
 
 
 @pytest.mark.parametrize('strategy', ['increasing', 'decreasing'])
@@ -245,7 +245,7 @@ def test_asking_again_and_again_tells_no_sentence_twice_and_ends(
     assert len(heard) == len(set(heard))
     assert answers[-1].spoken in (
         'You have heard all that I am up to.',
-        'There is nothing more that you need to know.',
+        'The rest is only details.',
     )
 
 

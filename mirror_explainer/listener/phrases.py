@@ -31,17 +31,18 @@ class Phrases:
         'You have heard all that I am up to.', 'Every step of the plan was said before.'
     )
     nothing_more: str = _phrase(
-        'There is nothing more that you need to know.',
+        'The rest is only details.',
         'Steps are left that were not said, but they would tell this listener nothing.',
     )
     new_task: str = _phrase(
         'I have a new task.',
-        'Before the first answer about another goal than the last answer was about.',
+        'Before the first answer about any other goal than the last answer was about.',
         may_be_empty=True,
     )
     replanned: str = _phrase(
         'I have changed my plan.',
-        'Before the first answer about another plan for the same goal.',
+        'Before the first answer about another plan for the same goal, or for one that shares a '
+        'part with it that is still to be achieved.',
         may_be_empty=True,
     )
     failed: str = _phrase(

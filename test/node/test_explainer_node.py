@@ -216,7 +216,7 @@ def test_with_remember_asking_again_tells_more_until_all_is_told(served):
     forgotten = served.call('mirror_explainer/forget')
     assert first == 'I will grab a blue cube and a red circle.'
     assert second == 'I will exit from the bottom door.'
-    assert last == 'There is nothing more that you need to know.'
+    assert last == 'The rest is only details.'
     assert forgotten.success
     assert served.call().message == first
 

@@ -168,7 +168,7 @@ def test_with_remember_asking_again_tells_more_until_it_is_forgotten(served) -> 
 
     assert first == 'I will grab a blue cube and a red circle.'
     assert second == 'I will exit from the bottom door.'
-    assert third == 'There is nothing more that you need to know.'
+    assert third == 'The rest is only details.'
     assert forgotten == 3
     assert served.answer() == first
 
