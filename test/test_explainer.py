@@ -119,7 +119,7 @@ def test_the_papers_listener_gains_what_the_paper_says(operator: Preparation) ->
 def test_the_open_listener_is_less_sure_and_says_of_what(operator: Preparation) -> None:
     told = explain(operator, asked(n=2))
 
-    assert told.true_goal == 'red circle and blue cube, bottom door'
+    assert told.true_goal == 'a red circle and a blue cube, the bottom door'
     assert told.unmentioned == ['(outside bottom_door)']
     # Two other goals have both grabs, and so have these three without a door.
     assert 0.2 < told.understanding < 1 / 3
