@@ -23,6 +23,7 @@ from processes import child_sessions, searches_of
 from mirror_explainer import pddl
 from mirror_explainer.errors import Cancelled
 from mirror_explainer.experiments.planning.cases import every_belief
+from mirror_explainer.experiments.planning.robots import robots
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward import alternatives
 from mirror_explainer.planning.downward.ground_task import Operator
@@ -429,6 +430,16 @@ def test_no_more_plans_than_asked(planner: Planner, count: int) -> None:
         assert len(as_sets(result)) == len(result.plans)
         assert all(referee.reaches(belief, plan.actions) for plan in result.plans)
         assert {plan.cost for plan in result.plans} == {6.0}
+
+
+def test_a_sample_of_the_plans_of_a_long_way_fits_into_memory() -> None:
+    [robot] = [robot for robot in robots() if robot.name == 'map of 500 places']
+    belief = Belief(1, robot.beliefs[0].true_facts)
+
+    with Planner(memory_limit=512) as own:
+        [result] = own.plan(robot.space, [belief], plans_per_belief=300).results
+
+    assert len({tuple(sorted(plan.actions)) for plan in result.plans}) == 300
 
 
 def test_the_same_plans_are_found_whichever_of_two_searches_ends_first(tmp_path: Path) -> None:

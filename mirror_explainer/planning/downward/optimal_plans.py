@@ -22,9 +22,10 @@ from mirror_explainer.planning.downward.optimal_paths import (
 
 Actions = tuple[str, ...]
 
-# A plan as one number: so many bits for the count of each action. An optimal plan is in no
-# state twice, and no more are looked at.
-_BITS = 20
+# A plan is one number, the sum of its actions' numbers. These are drawn with so many bits that
+# plans with other actions have other sums: that two of a million had the same is less likely
+# than once in 2^88 tasks.
+_BITS = 128
 
 # While plans are put together, so many times more are kept than will be returned.
 _SPARE = 20
@@ -97,15 +98,22 @@ def _plans_of_part(
     paths = optimal_paths(operators, state, goal, cost, effort)
     if paths is None:
         return None
-    suffixes, complete = _suffixes(operators, paths.layers, paths.ends, cost, _SPARE * most)
+    ones = _ones(operators)
+    suffixes, complete = _suffixes(operators, ones, paths.layers, paths.ends, _SPARE * most)
     found = sorted(suffixes.get(paths.start, ()))
     chosen = found if len(found) <= most else Random(0).sample(found, most)
-    plans = [_ordered(operators, paths.layers, suffixes, paths.start, plan) for plan in chosen]
+    plans = [
+        _ordered(operators, ones, paths.layers, suffixes, paths.start, plan) for plan in chosen
+    ]
     return plans, paths.complete and complete and len(found) <= most
 
 
 def _suffixes(
-    operators: Sequence[Operator], layers: Layers, ends: Iterable[Mask], cost: int, most: int
+    operators: Sequence[Operator],
+    ones: Sequence[int],
+    layers: Layers,
+    ends: Iterable[Mask],
+    most: int,
 ) -> tuple[dict[Mask, set[int]], bool]:
     """Return what may follow each state on an optimal path, and whether that is everything.
 
@@ -113,7 +121,6 @@ def _suffixes(
     """
     suffixes: dict[Mask, set[int]] = {here: {0} for here in ends}
     complete = True
-    ones = _ones(operators)
     for spent in sorted(layers, reverse=True):
         for here, steps in layers[spent].items():
             following = suffixes.get(here, set())
@@ -135,12 +142,13 @@ def _ones(operators: Sequence[Operator]) -> list[int]:
 
     An action whose condition has alternatives is several operators.
     """
-    numbers: dict[str, int] = {}
-    return [1 << _BITS * numbers.setdefault(o.name, len(numbers)) for o in operators]
+    random, numbers = Random(0), dict[str, int]()
+    return [numbers.setdefault(o.name, random.getrandbits(_BITS)) for o in operators]
 
 
 def _ordered(
     operators: Sequence[Operator],
+    ones: Sequence[int],
     layers: Layers,
     suffixes: dict[Mask, set[int]],
     start: Mask,
@@ -148,7 +156,6 @@ def _ordered(
 ) -> Actions:
     """Return a plan's actions in an order that can be carried out."""
     names = []
-    ones = _ones(operators)
     spent, here = 0, start
     while plan:
         index, here, plan = next(_first_steps(layers[spent][here], ones, suffixes, plan))
