@@ -40,7 +40,7 @@ def test_the_docs_lines_tell_progress_and_set_a_parameter(peer: Peer, tmp_path: 
             told = peer.hear('progress')
             eventually(lambda: told and told[-1].endswith('running: (move center doors)'), 'it')
         finally:
-            robot.terminate()
+            robot.kill()
 
     assert is_set == 'set'
     assert len(two.split()) < len(three.split())
