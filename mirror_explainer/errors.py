@@ -72,6 +72,12 @@ def did_you_mean(name: str, names: Iterable[str], *, cutoff: float = 0.6) -> str
     return f' (did you mean "{close[0]}"?)' if close else ''
 
 
+def meant_or_known(name: str, names: Iterable[str]) -> str:
+    """Return as `did_you_mean`, and where none of the names is close, all that there are."""
+    known = list(names)
+    return did_you_mean(name, known) or f' (there are {", ".join(known)})'
+
+
 def told(error: Exception) -> str:
     """Return an error as a person at a terminal is told it, with its cure if it has one."""
     return with_cure(str(error), getattr(error, 'cure', ''))

@@ -7,7 +7,7 @@ with as much planning as there was time for.
 import time
 from collections.abc import Sequence
 
-from mirror_explainer.errors import InputError, NoPlanError
+from mirror_explainer.errors import InputError, NoPlanError, did_you_mean
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.listeners import chosen
@@ -134,7 +134,7 @@ def positions_of(said: Sequence[str], source: str, model: MirrorModel) -> tuple[
         if sentence not in places:
             raise InputError(
                 source,
-                f'no step of the plan is said as "{sentence}"',
+                f'no step of the plan is said as "{sentence}"{did_you_mean(sentence, places)}',
                 cure='Leave it out, or give the plan and the user model it was said with.',
             )
     return tuple(sorted({places[sentence][-1] for sentence in said}))

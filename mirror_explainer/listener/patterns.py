@@ -24,6 +24,7 @@ Path = tuple[str | int, ...]
 # Choices that are looked at for one pattern; in a second or so.
 MOST_CHOICES = 20_000
 _VARIABLE = re.compile(r'\{([^{}]*)\}')
+_NAME = re.compile(r'[\w-]+')
 _KEYS = ('for', 'where')
 
 
@@ -77,6 +78,10 @@ def _entries(
     Raises InputError, whose source is the key that is at fault.
     """
     if not isinstance(entry, dict) or not entry.keys() & set(_KEYS):
+        loose = _VARIABLE.search(str(entry.get(key, ''))) if isinstance(entry, dict) else None
+        if loose and _NAME.fullmatch(loose[1]):
+            reason = f'{loose[0]} needs a type, by for: {{{loose[1]}: the type}} in the same entry'
+            raise InputError(key, reason)
         written_goals.note(entry)
         return [entry]
     rest = {name: value for name, value in entry.items() if name not in _KEYS}

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from mirror_explainer.errors import did_you_mean
+from mirror_explainer.errors import meant_or_known
 from mirror_explainer.listener.wording import parts
 
 
@@ -79,7 +79,7 @@ def phrase_faults(texts: Mapping[Any, Any]) -> Iterator[tuple[Any, str]]:
     known = {each.name.rstrip('_'): each for each in fields(Phrases)}
     for name, text in texts.items():
         if name not in known:
-            yield name, 'unknown phrase' + did_you_mean(str(name), known)
+            yield name, 'unknown phrase' + meant_or_known(str(name), known)
         elif isinstance(text, str) and not text.strip():
             if not known[name].metadata['may_be_empty']:
                 yield name, 'this text is blank'

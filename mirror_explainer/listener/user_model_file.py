@@ -9,7 +9,7 @@ import yaml
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.errors import InputError, meant_or_known
 
 
 class _Section(BaseModel):
@@ -263,7 +263,7 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
         section, *inside = detail['loc']
         fields = _FIELDS[section] if inside else UserModelFile.model_fields
         fields = Tenses.model_fields if section == 'sentences' and len(inside) > 2 else fields
-        return 'unknown key' + did_you_mean(str(detail['loc'][-1]), fields)
+        return 'unknown key' + meant_or_known(str(detail['loc'][-1]), fields)
     if detail['type'] == 'missing':
         return 'this key is missing'
     if detail['type'] == 'float_type' and isinstance(detail['input'], str):

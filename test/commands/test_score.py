@@ -48,3 +48,7 @@ def test_a_sentence_that_no_step_is_said_as_is_told(options, capsys):
     assert main([*options, '--score', 'I will fly.']) == 2
 
     assert '--score: no step of the plan is said as "I will fly."' in capsys.readouterr().err
+
+    assert main([*options, '--score', SAID[1].rstrip('.')]) == 2
+
+    assert f'(did you mean "{SAID[1]}"?)' in capsys.readouterr().err

@@ -59,6 +59,21 @@ def test_variables_are_different_objects_and_equal_goals_count_once(read):
     assert len(model.goals) == 3
 
 
+@pytest.mark.parametrize(
+    ('entry', 'place'),
+    [
+        ('goals: [{goal: "(shown {thing} west)"}]', 'goals[0].goal'),
+        ('goals: [{goal: (lit east)}]\none_of: [{facts: "(in {thing} west)"}]', 'one_of[0].facts'),
+    ],
+)
+def test_a_variable_without_a_type_is_told_with_the_key_that_gives_it(model_file, entry, place):
+    with pytest.raises(InputError) as refused:
+        read_user_model(model_file(entry))
+    assert refused.value.reason == (
+        f'{place}: {{thing}} needs a type, by for: {{thing: the type}} in the same entry'
+    )
+
+
 def test_where_asks_for_what_holds_initially(read):
     model = read("""goals:
       - goal: "(shown {t} {r})"

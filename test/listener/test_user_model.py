@@ -172,7 +172,12 @@ FAULTS = {
         2,
         'hyps_file: {folder}/no.dat: the file cannot be read: No such file or directory',
     ),
-    'an unknown key': (GOAL + 'goal: x', 2, 'goal: unknown key'),
+    'an unknown key': (
+        GOAL + 'names: {}',
+        2,
+        'names: unknown key (there are goals, hyps_file, uncertain_facts, one_of, rationality, '
+        'unlisted_goal_probability, goals_seen, sentences, objects, phrases, listener)',
+    ),
     'a misspelt key': (
         GOAL + 'rationalty: 1.0',
         2,
@@ -340,6 +345,12 @@ FAULTS = {
         GOAL + 'phrases:\n  reched: Done.',
         3,
         'phrases.reched: unknown phrase (did you mean "reached"?)',
+    ),
+    'a phrase that there is not': (
+        GOAL + 'phrases:\n  over: Done.',
+        3,
+        'phrases.over: unknown phrase (there are reached, no_plan, not_ready, all_heard, '
+        'nothing_more, new_task, replanned, failed, already, and)',
     ),
     'a phrase that is no text': (
         GOAL + 'phrases: {no_plan: [x]}',

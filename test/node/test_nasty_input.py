@@ -106,7 +106,7 @@ def test_a_user_model_with_very_many_faults_is_refused_all_the_same(tmp_path: Pa
 
     error = refusal(lambda: read_user_model(path, limits=LIMITS))
 
-    assert error.reason.startswith('30000 faults: line 2: key0: unknown key; line 3: key1: ')
+    assert error.reason.startswith('30000 faults: line 2: key0: unknown key (there are goals, ')
 
 
 def test_names_in_other_scripts_are_said_as_they_are(read_model, task: Task) -> None:
