@@ -128,22 +128,24 @@ def _misfit(
 ) -> _Misfit | None:
     """Return in what a step does not fit the task, None if it does."""
     name, *given = step.words
+    written_name, *written = step.as_written
+    shown = f'({" ".join(step.as_written)})'
     if name not in actions:
-        return _Misfit(f'the domain has no action "{name}"', name, actions)
+        return _Misfit(f'the domain has no action "{written_name}"', name, actions)
     parameters = actions[name].parameters
     if len(given) != len(parameters):
         count = arguments(len(parameters))
         return _Misfit(
-            f'{step.action}: "{name}" takes {count}, {_signature(parameters)}, not {len(given)}'
+            f'{shown}: "{name}" takes {count}, {_signature(parameters)}, not {len(given)}'
         )
-    for argument, parameter in zip(given, parameters, strict=True):
+    for argument, as_written, parameter in zip(given, written, parameters, strict=True):
         if argument not in objects:
-            reason = f'{step.action}: the problem has no object "{argument}"'
+            reason = f'{shown}: the problem has no object "{as_written}"'
             return _Misfit(reason, argument, objects)
         of_type = objects[argument].type
         if not parameter.type.is_compatible(of_type):
             return _Misfit(
-                f'{step.action}: {argument} is of type {of_type.name}, '
+                f'{shown}: {as_written} is of type {of_type.name}, '
                 f'but "{name}" takes a {parameter.type.name} there: {_signature(parameters)}'
             )
     return None

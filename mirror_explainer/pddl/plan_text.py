@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
@@ -32,18 +32,25 @@ _HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\
 class Step:
     """One action of a plan text: the words "name argument …" and the line (from 1).
 
-    `start` and `end` are when it goes on, where the text says so.
+    `start` and `end` are when it goes on, where the text says so; `written` are the words as
+    they stand there, for messages.
     """
 
     words: tuple[str, ...]
     line: int
     start: float | None = None
     end: float | None = None
+    written: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def action(self) -> str:
         """The ground action as canonical text."""
         return ground_text(self.words[0], self.words[1:])
+
+    @property
+    def as_written(self) -> tuple[str, ...]:
+        """The words as they stand in the text, or else in lower case."""
+        return self.written or self.words
 
 
 def read_plan(
@@ -106,7 +113,7 @@ def _steps(text: str, source: str) -> Iterator[Step]:
             continue
         if _SEVERAL.fullmatch(content.strip()):
             for action in re.findall(r'\(([^()]*)\)', content):
-                yield Step(tuple(action.lower().split()), number)
+                yield _step(action, number)
             continue
         found = _LINE.fullmatch(content.strip())
         # A bare word is an action after "0:", or as unified-planning prints one without arguments.
@@ -123,4 +130,8 @@ def _steps(text: str, source: str) -> Iterator[Step]:
         start = None if found['start'] is None else float(found['start'])
         lasting = _LASTING.fullmatch(found['lasting'] or '')
         end = start + float(lasting['seconds']) if start is not None and lasting else None
-        yield Step(tuple(words.lower().split()), number, start, end)
+        yield _step(words, number, start, end)
+
+
+def _step(words: str, line: int, start: float | None = None, end: float | None = None) -> Step:
+    return Step(tuple(words.lower().split()), line, start, end, tuple(words.split()))

@@ -171,8 +171,8 @@ FAILURES = {
         'plan, line 1: the domain has no action "xyz"',
     ),
     'unknown object': (
-        '(move left centre)',
-        'plan, line 1: (move left centre): the problem has no object "centre" '
+        '(Move left Centre)',
+        'plan, line 1: (Move left Centre): the problem has no object "Centre" '
         '(did you mean "center"?)',
     ),
     'too few arguments': (
