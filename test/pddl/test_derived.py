@@ -288,7 +288,7 @@ FAULTS = {
     'its own negation': ('(robot-at ?r) (exists', '(not (stuck)) (exists', 'domain, line 8: '
         'derived predicates depend on their own negation, or on (forall …) about themselves: '
         '"reachable", "stuck"'),
-    'an effect': (':effect (and (held ?i)', ':effect (and (stuck)', 'domain, line 11: '
+    'an effect': (':effect (and (held ?i)', ':effect (and (stuck)', 'domain, line 14: '
         '"stuck" is derived, but the action "grab" changes it'),
 }  # fmt: skip
 

@@ -220,6 +220,11 @@ PROBLEM_FAULTS = {
         'problem, line 7: the value of (watts l1) is there twice, and not the same: on line 5 and '
         'on line 7',
     ),
+    'an object twice on a line': (
+        PROBLEM.replace('l2 - lamp', 'l2 - lamp l2 - switch'),
+        'problem, line 4: the object "l2" is there twice, and not the same: both on this line, at '
+        'characters 16 and 26',
+    ),
     'an object twice': (
         PROBLEM.replace('l2 - lamp', 'l2 - lamp\nl2 - switch'),
         'problem, line 5: the object "l2" is there twice, and not the same: on line 4 and on '
@@ -284,8 +289,8 @@ def test_a_metric_of_a_function_that_is_not_there_is_told_as_that() -> None:
     task = read_task(DOMAIN, PROBLEM.replace('(lit l1)))', metric))
 
     assert task.warnings == (
-        'problem, line 8: the metric names what the domain has no function for, so every action '
-        'counts the same',
+        'problem, line 8: every action counts the same, since the metric names what the domain '
+        'has no function for: (watts)',
     )
 
 

@@ -17,7 +17,7 @@ from mirror_explainer.pddl.derived.axiom_rules import Axiom, AxiomRules, is_made
 from mirror_explainer.pddl.derived.datalog import Fact, Rule, UnstratifiedError, layers, reached
 from mirror_explainer.pddl.expressions import Expressions
 from mirror_explainer.pddl.text.definition import Definition
-from mirror_explainer.pddl.text.tree import Branch, Tree
+from mirror_explainer.pddl.text.tree import Branch, Tree, branches
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def _require_derived_only(
                 raise InputError(
                     domain.source,
                     f'"{name}" is derived, but the action "{action.name}" changes it',
-                    _line_of(action.name, domain.all(':action', ':durative-action'), 1),
+                    _line_of_effect(name, action.name, domain),
                     cure=f'Leave ({name} …) out of its effect, or (:derived ({name} …) …) out.',
                 )
     for atom, value in model.explicit_initial_values.items():
@@ -124,6 +124,13 @@ def _require_derived_only(
                 f'"{name}" is derived, so it cannot be among the initial facts',
                 _line_of(name, problem.contents(':init'), 0),
             )
+
+
+def _line_of_effect(name: str, action: str, domain: Definition) -> int | None:
+    """Return the line of the last place at which an action has a predicate: in its effect."""
+    sections = (s for s in domain.all(':action', ':durative-action') if s[1:2] == [action])
+    places = [tree.line for section in sections for tree in branches(section) if tree.head == name]
+    return places[-1] if places else None
 
 
 def _line_of(name: str, trees: Sequence[Tree], position: int) -> int | None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.pddl.model import TOTAL_COST, duration_bounds
 from mirror_explainer.pddl.numbers.arithmetic import (
     CHANGES,
@@ -95,8 +95,8 @@ def with_costs(
         return _Pricing(domain, problem, numbers, terms, left_out).priced(actions)
     except (_NoSumError, TooManyError):
         left_out.note(METRIC, problem.source, metric)
-    except _UnknownFunctionError:
-        left_out.note(METRIC_UNKNOWN, problem.source, metric)
+    except _UnknownFunctionError as unknown:
+        left_out.note(METRIC_UNKNOWN, problem.source, metric, str(unknown))
     return unpriced
 
 
@@ -126,7 +126,7 @@ def _terms(tree: Tree, factor: Fraction, numbers: Numbers) -> _Terms:
     if head == TOTAL_TIME and not parts:
         return {name: factor}
     if head not in numbers.declared.functions:
-        raise _UnknownFunctionError
+        raise _UnknownFunctionError(as_text(tree) + did_you_mean(head, numbers.declared.functions))
     return {name: factor} if head in {*numbers.changing, TOTAL_COST} else {}
 
 

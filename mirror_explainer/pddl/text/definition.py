@@ -230,7 +230,7 @@ def unequal(what: str, one: Tree, other: Tree, source: str) -> InputError:
     """Return the error that a thing is declared in two ways."""
     lines = f'on line {one.line} and on line {other.line}'
     if one.line == other.line:
-        lines = 'both on this line'
+        lines = f'both on this line, at characters {one.column} and {other.column}'
     return InputError(
         source,
         f'{what} is there twice, and not the same: {lines}',

@@ -39,7 +39,7 @@ NUMBERS = (
 UNSTEADY = 'numbers that multiply or divide what changes are left out'
 METRIC = 'the metric is no sum of what actions cost, so every action counts the same'
 METRIC_UNKNOWN = (
-    'the metric names what the domain has no function for, so every action counts the same'
+    'every action counts the same, since the metric names what the domain has no function for'
 )
 
 _TRAJECTORY = frozenset(
@@ -66,13 +66,13 @@ class LeftOut:
     `changes` are those that nobody makes, such as (open ?d) or (increase (level) …), by kinds.
     """
 
-    places: dict[str, tuple[str, int]] = field(default_factory=dict)
+    places: dict[str, tuple[str, int, str]] = field(default_factory=dict)
     changes: dict[str, list[Branch]] = field(default_factory=dict)
 
-    def note(self, kind: str, source: str, place: Tree | None) -> None:
-        """Remember that something of a kind was left out there."""
+    def note(self, kind: str, source: str, place: Tree | None, what: str = '') -> None:
+        """Remember that something of a kind was left out there, and what, where that is told."""
         if kind not in self.places:
-            self.places[kind] = (source, 1 if place is None else place.line)
+            self.places[kind] = (source, 1 if place is None else place.line, what)
 
     def note_change(self, kind: str, change: Tree) -> None:
         """Remember a change that comes by itself."""
@@ -87,8 +87,9 @@ class LeftOut:
     def warnings(self) -> tuple[str, ...]:
         """Return a line for each kind."""
         return tuple(
-            f'{source}, line {line}: {kind}{"" if kind in _HARMLESS else f"; {_FOLLOWS}"}'
-            for kind, (source, line) in self.places.items()
+            f'{source}, line {line}: {kind}{what and f": {what}"}'
+            f'{"" if kind in _HARMLESS else f"; {_FOLLOWS}"}'
+            for kind, (source, line, what) in self.places.items()
         )
 
 
