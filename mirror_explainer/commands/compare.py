@@ -109,8 +109,8 @@ def gains(curves: Sequence[Mapping[str, Any]]) -> str:
     headers = ['N', *reversed(STRATEGIES)]
     return (
         'Goal understood, and nats told, with N sentences (for N given, informative says the '
-        'best set,\nnot the first N of the order above):\n\n'
-        + _table(rows, headers, stralign='right')
+        'best set,\nnot the first N of the order above, and none whose gain is below '
+        'min_gain):\n\n' + _table(rows, headers, stralign='right')
     )
 
 
@@ -189,12 +189,16 @@ def hint(curves: Sequence[Mapping[str, Any]]) -> str:
         for strategy in ('increasing', 'decreasing')
     )
     threshold = -math.log(_RECOMMENDED)
+    enough = sufficient(curves, threshold)
+    doubt = curves[enough - 1]['informative']['doubt']
+    comes_to = '' if doubt < threshold else f', which leave the least, {doubt:.2f}'
+    facts = '' if enough == n else '\n(Doubt is about the facts that they are unsure of, too.)'
     return (
         f'Hint: n: {n} makes the listener {achieved:.0%} sure of the goal; increasing takes '
         f'{increasing} sentences for {_RECOMMENDED:.0%}, decreasing {decreasing}.\n'
         f'threshold: {threshold:.2f} (nats; -ln {_RECOMMENDED}) says as few as bring the doubt '
-        f'below it, if the whole plan can:\n{sufficient(curves, threshold)} of this one. Set n to '
-        'the most it may say.'
+        f'below it, if the whole plan can:\n{enough} of this one{comes_to}. Set n to the most '
+        f'it may say.{facts}'
     )
 
 

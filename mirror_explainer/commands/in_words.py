@@ -66,8 +66,8 @@ def _left_open(explanation: Explanation) -> list[str]:
 
 
 def _unsaid(explanation: Explanation) -> list[str]:
-    """Return the sentences of the steps that bring about what was not mentioned, if few."""
-    unsaid = [explanation.model.sentences[place] for place in explanation.unsaid_ends]
+    """Return the sentences of the steps, in their tense, for what was not mentioned, if few."""
+    unsaid = [explanation.plan[place]['sentence'] for place in explanation.unsaid_ends]
     if len(unsaid) <= _MOST_UNSAID:
         return unsaid
     return [*unsaid[: _MOST_UNSAID - 1], f'And {len(unsaid) - _MOST_UNSAID + 1} more.']

@@ -30,6 +30,10 @@ from mirror_explainer.selection.choice import Selection, baseline, curve
 from mirror_explainer.settings import PlanningSettings, Question
 from mirror_explainer.text_files import read_text
 
+_NOT_COUNTED = (
+    'goals_seen: true changes nothing here: only the node counts goals, in its goals_seen_file'
+)
+
 
 def add_file_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Add the input files, and return their group."""
@@ -94,8 +98,10 @@ def prepare_files(
     read = time.perf_counter() - started
     with Planner.of(settings) as planner:
         own = robot_plan_of(situation) if situation else None
-        own = own or _own_plan(task, user_model, planner, settings)
+        own = own or _own_plan(task, user_model, planner, settings, str(files.problem))
         preparation = replace(prepare(task, own, user_model, settings), situation=situation)
+        if user_model.goals_seen:
+            preparation = preparation.warned(_NOT_COUNTED)
         try:
             preparation = refine(preparation, planner, progress=progress)
         except PlanningError as error:
@@ -147,9 +153,9 @@ def _given_plan(
 
 
 def _own_plan(
-    task: Task, user_model: UserModel, planner: Planner, settings: PlanningSettings
+    task: Task, user_model: UserModel, planner: Planner, settings: PlanningSettings, source: str
 ) -> RobotPlan:
-    plan = plan_for_robot(task, user_model, planner, settings)
+    plan = plan_for_robot(task, user_model, planner, settings, source)
     return robot_plan(task, '\n'.join(plan.actions), 'the plan that was found')
 
 

@@ -82,7 +82,7 @@ def _verbalize(options: argparse.Namespace) -> list[str]:
     parts = [explanation.spoken, in_words(explanation)]
     parts += [score_table(score, explanation.understanding_before)] if score is not None else []
     parts += [_order_table(order)] if order is not None else []
-    parts += [_curve_table(curves)] if curves is not None else []
+    parts += [_curve_table(curves, explanation)] if curves is not None else []
     return parts
 
 
@@ -113,7 +113,7 @@ def _order_table(order: Sequence[dict[str, Any]]) -> str:
     return '\n'.join(lines)
 
 
-def _curve_table(curves: Sequence[dict[str, Any]]) -> str:
+def _curve_table(curves: Sequence[dict[str, Any]], explanation: Explanation) -> str:
     lines = [f'{"N":>3}' + ''.join(f'{strategy:>22}' for strategy in STRATEGIES)]
     for row in curves:
         cells = [
@@ -121,6 +121,12 @@ def _curve_table(curves: Sequence[dict[str, Any]]) -> str:
             for s in STRATEGIES
         ]
         lines.append(f'{row["n"]:3}' + ''.join(f'{cell:>22}' for cell in cells))
+    if any(len(row['informative']['positions']) < row['n'] for row in curves):
+        lines.append(
+            '(Informative says at most N sentences, and stops where all further ones together '
+            f'would tell\nless than min_gain, {explanation.model.listener.min_gain:g} nats; the '
+            'others say N, whatever they tell.)'
+        )
     return '\n'.join(lines)
 
 

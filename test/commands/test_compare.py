@@ -101,6 +101,15 @@ def test_a_threshold_that_is_never_reached_says_what_tells_all():
     assert sufficient(curves, 0.1) == 2  # D = 0.2 is as low as it gets
 
 
+def test_the_hint_says_why_a_threshold_takes_more_and_where_it_is_not_reached():
+    curves = _curves(informative=[0.9, 0.95], increasing=[0, 0.95], decreasing=[0, 0.95])
+
+    # D = 2·(1 − 0.9) = 0.2 is no less than -ln 0.85 = 0.16, D = 2·(1 − 0.95) is.
+    assert '\n2 of this one. Set n' in hint(curves) and 'unsure of, too' in hint(curves)
+    curves = _curves(informative=[0.9], increasing=[0.9], decreasing=[0.9])
+    assert '\n1 of this one, which leave the least, 0.20. Set n' in hint(curves)
+
+
 def test_a_curve_flattens_where_nearly_all_is_told():
     curves = _curves(informative=[0.5, 0.93, 1.0], increasing=[0, 0, 1], decreasing=[0, 0, 1])
 

@@ -91,6 +91,13 @@ def test_a_robot_that_is_done_says_what_it_did(verbalize) -> None:
     assert verbalize(AT_END).startswith('I have taken the cup and the cake.\nI am done.\n')
 
 
+def test_what_is_left_unsaid_is_told_in_its_tense(verbalize) -> None:
+    assert 'Left unsaid: I have taken the cup.' in verbalize(AT_END, '-n', '1')
+    assert 'Left unsaid: I am taking the cup.' in verbalize(
+        AT_START, '-n', '1', progress='running: (pick cup sink)'
+    )
+
+
 def test_what_is_past_is_not_told_where_it_is_known(verbalize) -> None:
     assert verbalize(ON_THE_WAY, '--no-tell-past').startswith('I will take the cake.\n')
     assert verbalize(AT_END, '--no-tell-past').startswith('I am done.\n')

@@ -140,6 +140,19 @@ def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(command
     assert rows[1].split()[:4] == ['2', '2.36', 'nats', '35%']
     assert len(rows) == 8  # of ten steps three are one sentence
 
+    head, *rows = command('--curve').stdout.rstrip('\n').split('\n\n')[-1].splitlines()
+    assert len(rows) == 8 + 2 and rows[8].startswith('(Informative says at most N sentences')
+
+
+def test_it_is_told_that_goals_seen_play_no_part_here(verbalize, tmp_path: Path, warehouse: Path):
+    model = tmp_path / 'user.yaml'
+    model.write_text((warehouse / 'user_model.yaml').read_text() + '\ngoals_seen: true\n')
+
+    done = verbalize(user_model=model)
+
+    assert 'goals_seen: true changes nothing here' in done.stderr
+    assert done.stdout == verbalize().stdout
+
 
 def test_json_has_everything_the_order_and_the_curve_too(command) -> None:
     planners = ('--selection-budget', '1', '--listener', 'planner')
@@ -307,8 +320,8 @@ def test_a_goal_that_the_robot_cannot_reach_is_told(verbalize, tmp_path: Path) -
 
     assert (done.returncode, done.stdout) == (2, '')
     assert done.stderr == (
-        "verbalize: the robot's own goal cannot be reached from its initial state. "
-        'Correct the :init or the :goal of the problem.\n'
+        "verbalize: the robot's own goal cannot be reached from its initial state, nor can "
+        f'(outside bottom_door) alone. Correct the :init or the :goal of {problem}.\n'
     )
 
 
