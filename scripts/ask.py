@@ -49,7 +49,7 @@ def main() -> int:
 
 def ask(client, explanations: list[dict], explained: threading.Event) -> int:
     """Call until the node has heard the robot; print plan and answer."""
-    if not client.wait_for_service(3 * PAUSE):
+    if not client.wait_for_service(5 * PAUSE):
         tell(f'nothing offers {client.srv_name} yet: is the explainer running? Waiting for it.')
         if not client.wait_for_service(TIMEOUT):
             tell('the explainer did not start')

@@ -45,7 +45,7 @@ class WarehouseRobot(Node):
         * **domain_file**, **problem_file**, **plan_file**: another robot than the example
         * **step_period** (s): 0, the default, is to stand still
         * **plan_once**: publish the plan at the beginning only, and then nothing but the state
-        * **tell_progress**: tell which steps are done, and which one goes on
+        * **tell_progress**: tell which steps are done, and which one goes on; and the plan once
 
     Raises InputError for files that cannot be read, or a plan that cannot be carried out.
     """
@@ -65,8 +65,9 @@ class WarehouseRobot(Node):
                 read_only=True,
             ),
         ).value
-        self._plan_once = self._flag('plan_once', 'publish the plan once, and then only the state')
+        once = self._flag('plan_once', 'publish the plan once, and then only the state')
         tells = self._flag('tell_progress', 'tell which steps are done, and which one goes on')
+        self._plan_once = once or tells  # progress is about the whole plan
         domain, problem = read_text(domain_file), read_text(problem_file)
         task = read_task(domain, problem, domain_file, problem_file)
         self._steps = read_plan(read_text(plan_file), plan_file)

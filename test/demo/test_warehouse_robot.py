@@ -72,23 +72,24 @@ def test_a_robot_may_tell_its_progress_and_begins_again_once_it_is_done(
     peer: Peer, tmp_path: Path
 ) -> None:
     progress, plans = peer.hear('progress'), peer.hear('plan')
-    robot = files(tmp_path, PLAN)
-    parameters = {'step_period': 0.5, 'tell_progress': True, **robot}
-    with running('warehouse_robot', peer.node.get_namespace(), tmp_path, **parameters):
-        restart = peer.node.create_client(Trigger, 'warehouse_robot/restart')
-        assert restart.wait_for_service(PATIENCE)
-        eventually(lambda: '' in plans, 'the end of the plan')
-        plans.clear()
-        assert Call(restart.call_async(Trigger.Request())).result().success
-        refused = Call(restart.call_async(Trigger.Request())).result()
-        eventually(lambda: '' in plans, 'the end of it once more')
-
     told = [
         'running: (light red)',
         'done: (light red)\nrunning: (light blue)',
         'done: (light red)\ndone: (light blue)',
     ]
-    assert progress[-4:] == [told[-1], *told]
+    robot = files(tmp_path, PLAN)
+    parameters = {'step_period': 0.5, 'tell_progress': True, **robot}
+    with running('warehouse_robot', peer.node.get_namespace(), tmp_path, **parameters):
+        restart = peer.node.create_client(Trigger, 'warehouse_robot/restart')
+        assert restart.wait_for_service(PATIENCE)
+        eventually(lambda: told[-1] in progress, 'the end of the plan')
+        progress.clear()
+        assert Call(restart.call_async(Trigger.Request())).result().success
+        refused = Call(restart.call_async(Trigger.Request())).result()
+        eventually(lambda: told[-1] in progress, 'the end of it once more')
+
+    assert progress == told
+    assert {*plans} == {PLAN}
     assert not refused.success
 
 

@@ -347,10 +347,9 @@ FAULTS = {
         'phrases.reched: unknown phrase (did you mean "reached"?)',
     ),
     'a phrase that there is not': (
-        GOAL + 'phrases:\n  over: Done.',
+        GOAL + 'phrases:\n  bye: Done.',
         3,
-        'phrases.over: unknown phrase (there are reached, no_plan, not_ready, all_heard, '
-        'nothing_more, new_task, replanned, failed, already, and)',
+        f'phrases.bye: unknown phrase (there are {", ".join(Phrases.names())})',
     ),
     'a phrase that is no text': (
         GOAL + 'phrases: {no_plan: [x]}',
