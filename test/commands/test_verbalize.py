@@ -124,7 +124,7 @@ def test_plain_output_is_the_sentences_a_summary_the_order_and_the_curve(command
     sentences, summary, order, curve = done.stdout.rstrip('\n').split('\n\n')
     assert sentences.splitlines() == ['I will grab a blue cube and a red circle.']
     for said in (
-        'cannot tell yet: "red circle and blue cube, bottom door" and "',
+        'cannot tell yet: "a red circle and a blue cube, the bottom door" and "',
         '35% each (3% before)',
         f'Left unsaid: {EXIT}',
     ):
