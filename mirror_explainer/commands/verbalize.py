@@ -124,7 +124,7 @@ def _curve_table(curves: Sequence[dict[str, Any]], explanation: Explanation) -> 
     if any(len(row['informative']['positions']) < row['n'] for row in curves):
         lines.append(
             '(Informative says at most N sentences, and stops where all further ones together '
-            f'would tell\nless than min_gain, {explanation.model.listener.min_gain or 0.0:g} nats; the '
+            f'would tell\nless than min_gain, {explanation.model.listener.min_gain:g} nats; the '
             'others say N, whatever they tell.)'
         )
     return '\n'.join(lines)
