@@ -23,7 +23,7 @@ _AFTER_VERBS = word_set(
 # Words that have a capital only where all words of a name have one.
 _IN_TITLES = word_set('a an and at by for from in into of off on onto or out the to up with')
 # Where the library's word is rarer, or of another meaning.
-_PAST = {'get': 'got', 'lie': 'lain'}
+_PAST = {'get': 'got', 'lie': 'lain', 'light': 'lit'}
 _PREFIXES = re.compile(r'(?:un|re|de|dis|pre|over|co)-?(?=\w{4})')
 
 

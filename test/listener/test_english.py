@@ -20,6 +20,7 @@ VERBS = {
     'sweep': ('sweeping', 'swept'),
     'mop': ('mopping', 'mopped'),
     'lie': ('lying', 'lain'),
+    'light': ('lighting', 'lit'),
     'refuel': ('refuelling', 'refuelled'),
     'photograph': ('photographing', 'photographed'),
     'dock': ('docking', 'docked'),
