@@ -41,8 +41,8 @@ class Phrases:
     )
     replanned: str = _phrase(
         'I have changed my plan.',
-        'Before the first answer about another plan for the same goal, or for one that shares a '
-        'part with it that is still to be achieved.',
+        'Before the first answer about another plan for the same goal, or for one that shares '
+        'with it what is still to be achieved, or was on the way.',
         may_be_empty=True,
     )
     failed: str = _phrase(

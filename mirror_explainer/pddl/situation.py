@@ -25,8 +25,8 @@ class Situation:
     `domain` and `problem` are the texts of its task, with the state in which it began;
     `reason` is why it began: FIRST, REPLANNED for the same goal, AGAIN for that once it was
     reached, or NEW_TASK. That is `like_before` where a part of its goal was one of the goal
-    before as well, which was not reached, and is still to be achieved. `seen` is the progress
-    that states show, `told` what the robot itself says of it, if it does.
+    before, which was not reached, and was achieved on the way or is still to be. `seen` is the
+    progress that states show, `told` what the robot itself says of it, if it does.
     """
 
     episode: Episode
@@ -156,12 +156,13 @@ def gone_back(
 
 
 def _shares_goal(before: Situation, task: Task) -> bool:
-    """Say whether a part of a goal that was not reached is still to be achieved in a task."""
+    """Say whether a task has a part of a goal that was not reached, but for what always held."""
     if before.progress.finished:
         return False
     evaluator = Evaluator(task)
+    states = before.episode.first, evaluator.first_state()
     try:
-        missing = missing_goals(task, evaluator.first_state(), evaluator)
+        parts = {str(p) for state in states for p in missing_goals(task, state, evaluator)}
     except (UnknownNumberError, NotImplementedError):
         return False
-    return not before.episode.goal.isdisjoint(map(str, missing))
+    return not before.episode.goal.isdisjoint(parts)

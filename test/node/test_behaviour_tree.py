@@ -149,14 +149,14 @@ def test_a_robot_with_a_fallback_tells_the_truth_in_each_round(
     model.write_text(APIARY)
     robot = robot_of(operator, str(model), n=2, remember=True)
     mites = Condition('Mites?', Status.FAILURE)
-    treat = Sequence('treat', True, [mites, Task('Treat hive 3')])
+    treat, feed = Sequence('treat', True, [mites, Task('Treat hive 3')]), Task('Feed the bees')
     root = Sequence(
         'round',
         True,
         [
             Task('Open hive 3'),
             Selector('deal', True, [treat, Task('Write the card')]),
-            Selector('feed', True, [Task('Feed the bees'), Task('Call the beekeeper')]),
+            Selector('feed', True, [feed, Task('Call the beekeeper')]),
         ],
     )
 
@@ -171,6 +171,10 @@ def test_a_robot_with_a_fallback_tells_the_truth_in_each_round(
     assert after(1) == 'I have changed my plan.\nI am writing the card.\nI will feed the bees.'
     assert after(2) == 'I am done.'
     mites.end = Status.SUCCESS  # the next round
+    feed.end = Status.FAILURE
     assert after(1) == 'I have a new task.\nI will treat hive 3 and feed the bees.'
+    # What is left of the goal is another, but what was done for it counts.
+    assert after(3).startswith('I have changed my plan.\n')
+    assert 'I am calling the beekeeper.' in robot.published[-1][0]
     with pytest.raises(InputError, match='"Feed bees" is none of the tasks .*"Feed the bees"'):
         robot.tasks.tell_tree(root, Task, ['Feed bees'])
