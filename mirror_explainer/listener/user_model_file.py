@@ -118,7 +118,7 @@ _FIELDS = {
 # Far more than a model without aliases has.
 _MOST_NODES = 100_000
 _SPACES = 'Indent with spaces: YAML takes no tabs at the beginning of a line.'
-_QUOTES = 'Put texts with { at their beginning, or with a colon in them, in quotes.'
+_QUOTES = 'Put texts with { or a colon anywhere in them in quotes.'
 # Control characters and halves of characters, but for white space, which a sentence has anyhow.
 _CONTROL = re.compile('[\0-\x08\x0e-\x1b\x7f-\x84\x86-\x9f\ud800-\udfff]')
 
