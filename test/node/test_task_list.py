@@ -1,6 +1,7 @@
 """Robots without PDDL: lists of tasks, behaviour trees, and what the explainer says of them."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -97,6 +98,17 @@ def test_a_list_of_tasks_needs_nothing_that_the_systems_python_lacks():
         [sys.executable, '-c', needed], capture_output=True, text=True, check=True
     ).stdout.split()
     assert not {'unified_planning', 'pydantic', 'lemminflect', 'py_trees'} & {*modules}
+
+
+def test_a_list_is_rehearsed_as_the_page_says(warehouse, tmp_path):
+    page = (warehouse.parents[1] / 'docs' / 'behaviour_trees.md').read_text()
+    block = re.search(r'```\n(cat .*?)```', page, re.DOTALL)[1]
+    (tmp_path / 'config').symlink_to(warehouse.parent)
+    said = subprocess.run(
+        ['bash', '-ec', block], cwd=tmp_path, capture_output=True, text=True, check=True
+    ).stdout.split('\n')[:2]
+    assert said == ['I am boiling water.', 'I will bring the tea.']
+    assert ', '.join(f'"{sentence}"' for sentence in said) in page
 
 
 @pytest.fixture
