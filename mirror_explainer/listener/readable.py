@@ -177,6 +177,14 @@ class _Maker:
         if aim := self.it.aim:
             itself = self.it.phrase.verb in _AIMING and not direct and not start.has_object
             said[aim] = start.joined.get(aim) or coming or ('' if itself else 'to')
+        return self._between(said)
+
+    def _between(self, said: dict[str, str]) -> dict[str, str]:
+        """Return what is said, where two places belong together "between" them: not at both."""
+        places = [p for p, word in said.items() if word == 'at']
+        related = (set(atom.arguments) for atom in self.it.roles.made)
+        if len(places) == 2 and any(set(places) <= both for both in related):
+            return said | dict(zip(places, ('between', 'and'), strict=True))
         return said
 
     def _start(self, objects: Sequence[str]) -> _Start:

@@ -43,7 +43,7 @@ PREDICATES = (
     '(at ?r - room) (in ?r - room) (on-shelf ?t - thing ?r - room) (held ?t - thing) (hand-free)'
     '(stored ?t - thing ?b - bay) (bay-free ?b - bay) (lit ?l - lamp) (charged) (fuel ?l - level)'
     '(shown ?t - thing ?f - film) (greeted ?p - person) (given ?t - thing ?p - person)'
-    '(passed ?g - gate) (seen ?r - room)'
+    '(passed ?g - gate) (seen ?r - room) (gate-open ?a ?b - room)'
 )
 OBJECTS = (
     'big_hall cold-store - room level_0 - storey red_Mug tin7 - thing bay_1 - bay '
@@ -123,6 +123,11 @@ SPOKEN = [
         + action('load-second', '', ''),
         'tin7 bay_1',
         'load tin7 into bay 1',
+    ),
+    (
+        action('open_gate', '?a ?b - room', '(gate-open ?a ?b) (gate-open ?b ?a)', '(at ?a)'),
+        'big_hall x',
+        'open the gate between the big hall and room x',
     ),
     (action('do-polish', '?t - thing', '(held ?t)'), 'red_mug', 'polish the red Mug'),
     (action('wait-2', '', '(charged)'), '', 'wait 2'),
