@@ -1,7 +1,6 @@
 """Drafts beside user models that were written by hand, before the drafter was tried on them.
 
-`test/benchmarks/drafted_models.py` does the same for each two goals that may have been seen, and
-for the bar, whose draft finds 3 of 4 facts and groups.
+`test/benchmarks/drafted_models.py` does the same for each two goals that may have been seen.
 """
 
 from pathlib import Path
@@ -41,3 +40,12 @@ def test_a_draft_has_what_was_written_by_hand_and_the_robot_says_the_same_ends(
     assert drafted.proposed <= 2 * drafted.by_hand
     ends = [robot.ends(positions) for positions in drafted.answers]
     assert ends == [robot.ends(positions) for positions in robot.answers]
+
+
+def test_where_a_thing_stands_that_only_the_plan_takes_is_proposed_as_well(planner, tmp_path):
+    robot = Robot(ROBOTS / 'bar', planner)
+
+    drafted = robot.drafted(robot.others[:1], tmp_path)
+
+    assert drafted.found == drafted.by_hand
+    assert drafted.proposed <= 2 * drafted.by_hand

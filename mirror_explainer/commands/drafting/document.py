@@ -29,8 +29,9 @@ def document(
 
 def _goals(candidates: Sequence[Candidate]) -> str:
     lines = [
-        '# What the robot might be doing, by how often it does it. Check: are these its tasks,',
-        '# and do "for" and "where" leave any out? A listener knows of no others.',
+        '# What the robot might be doing, by how often it does it. "for" has a type for each',
+        '# {variable}. Check: are these its tasks, and do "for" and "where" leave any out? Beside',
+        '# these goals a listener thinks only of them with a part less.',
         'goals:',
     ]
     last = ''
@@ -67,9 +68,17 @@ def _facts(doubts: Doubts, true: frozenset[str]) -> str:
     ]
     if doubts.facts:
         lines.append('uncertain_facts:')
-        for fact in doubts.facts:
-            probability = 0.7 if fact in true else 0.3
-            lines.append('  - ' + _flow({'fact': fact, 'probability': probability}))
+        for doubt in doubts.facts:
+            if len(doubt.facts) > 1:
+                lines.append(f'  # These {len(doubt.facts)} change together: keep all or none.')
+            changes = f'  # changes with {" ".join(doubt.others)}' if doubt.others else ''
+            for fact in doubt.facts:
+                probability = 0.7 if fact in true else 0.3
+                entry = _flow({'fact': fact, 'probability': probability})
+                lines.append(f'  - {entry}{changes}')
+        if doubts.more:
+            were = 'was' if doubts.more == 1 else 'were'
+            lines.append(f'  # {doubts.more} more {were} found.')
     else:
         lines.append('# (No fact was found that does.)')
     if doubts.groups:
