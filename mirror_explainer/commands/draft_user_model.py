@@ -15,6 +15,7 @@ from mirror_explainer.commands.drafting.document import document
 from mirror_explainer.commands.drafting.facts import doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
 from mirror_explainer.commands.drafting.patterns import World
+from mirror_explainer.commands.drafting.reach import within_reach
 from mirror_explainer.commands.drafting.words import drafted_words
 from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
@@ -22,10 +23,10 @@ from mirror_explainer.commands.terminal import command_parser, tell, tell_error,
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.goals_seen import read_goals_seen
-from mirror_explainer.listener.preparation import RobotPlan, prepare, refine
-from mirror_explainer.listener.user_model import read_user_model
+from mirror_explainer.listener.preparation import RobotPlan, plan_for_robot, prepare, refine
+from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
-from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
+from mirror_explainer.planning import Planner
 from mirror_explainer.settings import PlanningSettings, Question
 from mirror_explainer.text_files import read_text, write_text
 
@@ -38,10 +39,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for bad input, told on stderr."""
     options = _parser().parse_args(arguments)
     try:
+        if options.output and os.path.isfile(options.output) and not options.force:
+            cure = 'Name another one as --output, or write over it with --force.'
+            raise InputError(options.output, 'there is such a file already', cure=cure)
         text, answers = _draft(options)
         if options.output:
             write_text(options.output, text)
             tell(answers, 'bold green')
+            tell(f'The draft is in {options.output}.')
         else:
             tell(text)
     except BrokenPipeError:  # whoever reads has enough, as `head` has
@@ -64,8 +69,9 @@ def _draft(options: argparse.Namespace) -> tuple[str, str]:
     seen = _goals_seen(world, options.goals_seen)
     settings = settings_from(PlanningSettings, options)
     with Planner.of(settings) as planner:
-        plan = _robot_plan(task, options.plan, planner, settings)
+        plan = _robot_plan(task, options, planner, settings)
         found = candidates(world, own, seen)
+        found = within_reach(world, found, planner, settings.deadline / 6)
         goals = [own, *_examples(world, found, own, seen)]
         facts = doubts(world, goals, plan.plan.actions, planner, settings.deadline / 3)
         text = document(
@@ -99,19 +105,14 @@ def _goals_seen(world: World, paths: Sequence[str]) -> Counter[str]:
 
 
 def _robot_plan(
-    task: Task, path: str | None, planner: Planner, settings: PlanningSettings
+    task: Task, options: argparse.Namespace, planner: Planner, settings: PlanningSettings
 ) -> RobotPlan:
     """Return the robot's plan: the one that is given, or one that is made."""
-    if path:
-        return robot_plan(task, read_text(path), path)
-    space = BeliefSpace(task.domain, task.problem, (task.goal_text,))
-    result = planner.plan(space, [Belief(0)], deadline=settings.deadline).results[0]
-    if result.status is not Status.SOLVED:
-        raise PlanningError(
-            f"no plan was found for the robot's goal ({result.reason or 'there is none'})",
-            cure='Give its plan by --plan.',
-        )
-    return robot_plan(task, '\n'.join(result.plans[0].actions))
+    if options.plan:
+        return robot_plan(task, read_text(options.plan), options.plan)
+    known = UserModel((CandidateGoal('its own', task.goal_text, 1.0),))
+    plan = plan_for_robot(task, known, planner, settings, options.problem)
+    return robot_plan(task, '\n'.join(plan.actions))
 
 
 def _examples(
@@ -119,7 +120,7 @@ def _examples(
 ) -> list[tuple[str, ...]]:
     """Return some goals to try facts with: those seen, and one of each form."""
     examples = [world.parts(goal) for goal, _ in seen.most_common(3)]
-    for candidate in found:
+    for candidate in (candidate for candidate in found if not candidate.left_out):
         like = (g for g in world.goals(candidate.pattern) if set(g).isdisjoint(own))
         examples += [goal for goal in [next(like, None)] if goal]
     return examples
@@ -163,7 +164,9 @@ def _parser() -> argparse.ArgumentParser:
         help='goals that the robot had before, as the node counts them, or one a line',
     )
     add_settings(parser.add_argument_group('planning'), PlanningSettings)
-    parser.add_argument('--output', metavar='FILE', help='write there instead of printing')
+    output = parser.add_argument_group('output')
+    output.add_argument('--output', metavar='FILE', help='write there instead of printing')
+    output.add_argument('--force', action='store_true', help='write over a file that is there')
     return parser
 
 

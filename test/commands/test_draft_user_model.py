@@ -70,6 +70,100 @@ def test_facts_are_those_that_change_what_the_robot_does(park, tmp_path):
     assert facts == {'(unlocked north_gate)', '(tank-full)', '(pump-primed)'}
 
 
+# A robot behind gates that let through both ways at once; it opens the second one.
+GATES = """(define (domain gates) (:requirements :strips :typing :negative-preconditions)
+  (:types place)
+  (:predicates (at ?p - place) (way ?a ?b - place) (gate-open ?a ?b - place) (fetched ?p - place))
+  (:action roll :parameters (?a ?b - place)
+    :precondition (and (at ?a) (way ?a ?b) (gate-open ?a ?b))
+    :effect (and (not (at ?a)) (at ?b)))
+  (:action open-gate :parameters (?a ?b - place)
+    :precondition (and (at ?a) (way ?a ?b) (not (gate-open ?a ?b)))
+    :effect (and (gate-open ?a ?b) (gate-open ?b ?a)))
+  (:action fetch :parameters (?p - place) :precondition (at ?p) :effect (fetched ?p)))"""
+BARN = """(define (problem hay) (:domain gates) (:objects aisle yard barn1 - place)
+  (:init (at aisle) (way aisle yard) (way yard aisle) (way yard barn1) (way barn1 yard)
+    (gate-open aisle yard) (gate-open yard aisle))
+  (:goal (and (fetched barn1) (at aisle))))"""
+
+
+@pytest.fixture
+def barn(tmp_path: Path) -> list[str]:
+    """The options that name the files of the robot behind gates."""
+    (tmp_path / 'domain.pddl').write_text(GATES)
+    (tmp_path / 'problem.pddl').write_text(BARN)
+    return ['--domain', f'{tmp_path}/domain.pddl', '--problem', f'{tmp_path}/problem.pddl']
+
+
+def test_what_the_robots_plan_brings_about_comes_first_with_what_changes_with_it(barn, tmp_path):
+    text, model = drafted(barn, tmp_path)
+    # It needs the shut gate open on both ways; of the open one either way would be enough.
+    assert [(entry['fact'], entry['probability']) for entry in model['uncertain_facts']] == [
+        ('(gate-open yard barn1)', 0.3),
+        ('(gate-open barn1 yard)', 0.3),
+        ('(gate-open aisle yard)', 0.7),
+    ]
+    assert '# These 2 change together' in text
+    assert 'probability: 0.7}  # changes with (gate-open yard aisle)\n' in text
+
+
+def test_facts_that_are_more_than_are_written_are_counted(barn, tmp_path, monkeypatch):
+    monkeypatch.setattr('mirror_explainer.commands.drafting.facts.MOST_FACTS', 2)
+    text, model = drafted(barn, tmp_path)
+    assert len(model['uncertain_facts']) == 2
+    assert '# 1 more was found.' in text
+
+
+def test_where_the_robot_is_back_stays_in_all_patterns(barn, tmp_path):
+    _, model = drafted(barn, tmp_path)
+    assert [entry['goal'] for entry in model['goals']] == ['(and (fetched {place}) (at aisle))']
+
+
+def test_a_name_with_a_number_is_two_words(barn, tmp_path):
+    _, model = drafted(barn, tmp_path)
+    assert model['objects']['barn1'] == 'barn 1'
+    assert model['sentences']['open-gate'] == 'I will open the gate between {a} and {b}.'
+
+
+def test_a_file_that_is_there_is_written_over_by_force_only(barn, tmp_path, capsys):
+    path = tmp_path / 'mine.yaml'
+    path.write_text('mine')
+    assert main([*barn, '--output', str(path)]) == 2
+    assert path.read_text() == 'mine'
+    assert '--force' in capsys.readouterr().err
+    assert main([*barn, '--output', str(path), '--force']) == 0
+    assert path.read_text() != 'mine'
+    assert capsys.readouterr().out.endswith(f'The draft is in {path}.\n')
+
+
+def test_parts_of_a_goal_that_cannot_be_reached_are_named(park, tmp_path, capsys):
+    problem = tmp_path / 'problem.pddl'
+    problem.write_text(PROBLEM.replace('(stands red_bin lawn)', ''))
+    assert main(park) == 2
+    error = capsys.readouterr().err
+    assert 'nor can (emptied red_bin) alone' in error
+    assert str(problem) in error
+
+
+def test_patterns_of_which_no_goal_can_be_reached_are_comments(tmp_path):
+    domain = """(define (domain post) (:requirements :strips :typing) (:types room letter)
+      (:predicates (left ?l - letter) (in ?l - letter ?r - room))
+      (:action bring :parameters (?l - letter ?r - room) :precondition (left ?l)
+        :effect (and (not (left ?l)) (in ?l ?r))))"""
+    problem = """(define (problem p) (:domain post) (:objects r1 r2 - room l1 l2 - letter)
+      (:init (left l1) (left l2)) (:goal (and (in l1 r1) (in l2 r2))))"""
+    (tmp_path / 'domain.pddl').write_text(domain)
+    (tmp_path / 'problem.pddl').write_text(problem)
+    options = ['--domain', f'{tmp_path}/domain.pddl', '--problem', f'{tmp_path}/problem.pddl']
+    text, model = drafted(options, tmp_path)
+    # No letter can be in two rooms, but a room may have two letters.
+    nowhere = '(and (in {letter} {room}) (in {letter} {room2}))'
+    assert f"# - {{goal: '{nowhere}'" in text
+    taken = [entry['goal'] for entry in model['goals']]
+    assert nowhere not in taken
+    assert '(and (in {letter} {room}) (in {letter2} {room}))' in taken
+
+
 def test_goals_are_lifted_to_patterns_that_stand_for_their_like(park, tmp_path):
     drafted(park, tmp_path)
     task = read_task(DOMAIN, PROBLEM)

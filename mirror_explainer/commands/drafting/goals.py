@@ -44,7 +44,7 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     frequent = sorted(often, key=lambda parts: (parts != tuple(own), -often[parts]))
     lifted = frequent[: 1 + MOST_LIFTED]
     like = {parts: world.like(parts) for parts in lifted}
-    less = {parts: list(_without_one(parts, often if seen else ())) for parts in lifted}
+    less = {parts: list(_without_one(world, parts, often if seen else ())) for parts in lifted}
     found: dict[Pattern, tuple[float, str]] = {}
     if seen:
         for parts, count in often.items():
@@ -118,14 +118,16 @@ def _bounded(world: World, found: Mapping[Pattern, tuple[float, str]]) -> Iterat
 
 
 def _without_one(
-    parts: Sequence[str], often: Collection[tuple[str, ...]]
+    world: World, parts: Sequence[str], often: Collection[tuple[str, ...]]
 ) -> Iterator[tuple[str, ...]]:
-    """Yield a goal's parts without one of them, for each one, if any is left.
+    """Yield a goal's parts without one of them, for each one, if anything is left to do.
 
-    Of a part that all the goals seen have one of its kind stays.
+    A part stays that holds already, such as where the robot parks; and of one that all the
+    goals seen have one of its kind.
     """
     kinds = {kind_of(part) for part in set.intersection(*map(set, often))} if often else set()
     for left_out in range(len(parts)):
         rest = tuple(part for i, part in enumerate(parts) if i != left_out)
-        if rest and kinds <= set(map(kind_of, rest)):
+        stays = world.holds(parts[left_out]) or not kinds <= set(map(kind_of, rest))
+        if not stays and not all(map(world.holds, rest)):
             yield rest

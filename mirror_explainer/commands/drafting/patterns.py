@@ -74,6 +74,20 @@ class World:
         expression = goal_expression(self.task.model, goal)
         return tuple(str(part) for part in parts_of(expression, self.task.model))
 
+    def holds(self, part: str) -> bool:
+        """Say whether a part of a goal, an atom or its negation, holds initially."""
+        if part.startswith('(not '):
+            return part.removeprefix('(not ').removesuffix(')') not in self.task.initial_facts
+        return part in self.task.initial_facts
+
+    def _kept(self, parts: Sequence[str]) -> set[str]:
+        """Return the objects that only parts name which hold already: where the robot parks."""
+        new, old = (
+            {word for part in some for word in _words(part) if word in self.types}
+            for some in ([p for p in parts if not self.holds(p)], filter(self.holds, parts))
+        )
+        return old - new if len(parts) > 1 else set()
+
     def lifted(self, parts: Sequence[str], fixed: Collection[str] = ()) -> Pattern:
         """Return the pattern of a goal's parts, whose objects vary but for the fixed ones."""
         names: dict[str, str] = {}
@@ -100,13 +114,15 @@ class World:
     def like(self, parts: Sequence[str]) -> list[Pattern]:
         """Return patterns of goals like this one, each with a bounded number of choices.
 
-        All objects vary; or where that is too much, those of one type at a time, or each
-        by itself.
+        All objects vary, but for those that only parts name which hold already; or where that
+        is too much, those of one type at a time, or each by itself.
         """
-        objects = [word for part in parts for word in _words(part) if word in self.types]
+        named = [word for part in parts for word in _words(part) if word in self.types]
+        kept = self._kept(parts)
+        objects = [word for word in named if word not in kept]
         by_type = [{o for o in objects if self.types[o] == kind} for kind in self._kinds(objects)]
         for groups in ([set(objects)], by_type, [{item} for item in dict.fromkeys(objects)]):
-            found = [self.lifted(parts, set(objects) - varying) for varying in groups]
+            found = [self.lifted(parts, set(named) - varying) for varying in groups]
             if all(self.count(pattern) <= MOST_CHOICES for pattern in found):
                 return list(dict.fromkeys(found))
         return [Pattern(tuple(parts))]

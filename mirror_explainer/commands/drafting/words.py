@@ -1,5 +1,6 @@
 """The words of a drafted user model: the readable defaults made explicit."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,8 @@ from mirror_explainer.pddl import Task, words_of
 
 # With more objects than this only those of the robot's plan are named.
 MOST_OBJECTS = 60
+# A word with its number: "hive3", but not a code such as "b12".
+_NUMBERED = re.compile(r'\b([^\W\d_]{3,})(\d+)$')
 
 
 @dataclass(frozen=True)
@@ -42,5 +45,5 @@ def drafted_words(task: Task, plan: Sequence[str]) -> Words:
     return Words(
         {name: text for name, text in sentences.items() if name not in unsure},
         {name: text for name, text in sentences.items() if name in unsure},
-        objects,
+        {name: _NUMBERED.sub(r'\1 \2', called) for name, called in objects.items()},
     )
