@@ -11,14 +11,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
+from mirror_explainer.errors import PlanningError
 from mirror_explainer.experiments.benchmark.dataset import Location, read_instance
 from mirror_explainer.experiments.benchmark.ground_actions import ground_action, needed_facts
 from mirror_explainer.experiments.warehouse_files import read_warehouse
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.text.sections import section
-from mirror_explainer.planning import Belief, BeliefSpace, Planner, PlanningReport
+from mirror_explainer.planning import Belief, BeliefSpace, Planner, PlanningReport, Status
 
 _GOALS = 4
+_DEADLINE = 120.0  # seconds
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,10 @@ def uncertain_case(planner: Planner, instance: Instance, facts: int, random: Ran
     others = instance.goals[1:]
     goals = (instance.goals[0], *random.sample(others, min(_GOALS - 1, len(others))))
     space = BeliefSpace(instance.domain, instance.problem, goals)
-    [robot] = planner.plan(space, [Belief(0)], deadline=20.0).results
+    [robot] = planner.plan(space, [Belief(0)], deadline=_DEADLINE).results
+    if robot.status is not Status.SOLVED:
+        why = robot.reason or 'it cannot be reached'
+        raise PlanningError(f"{instance.name} has no plan for the robot's goal: {why}")
     plan = robot.plans[0].actions
     task = read_task(instance.domain, instance.problem)
     needed, initial = needed_facts(task, plan), task.initial_facts
