@@ -75,7 +75,7 @@ def uncertain_case(planner: Planner, instance: Instance, facts: int, random: Ran
     others = instance.goals[1:]
     goals = (instance.goals[0], *random.sample(others, min(_GOALS - 1, len(others))))
     space = BeliefSpace(instance.domain, instance.problem, goals)
-    [robot] = planner.plan(space, [Belief(0)], deadline=20.0).results
+    [robot] = planner.plan(space, [Belief(0)], deadline=60.0).results
     if robot.status is not Status.SOLVED:
         why = robot.reason or 'it cannot be reached'
         raise PlanningError(f"{instance.name} has no plan for the robot's goal: {why}")

@@ -78,7 +78,8 @@ def measure(instance: Instance, sample: int) -> Row:
 
 def measure_hard(instance: Instance, deadline: float) -> HardRow:
     """Measure what the deadline, in seconds, leaves of one instance."""
-    with Planner('fast-downward') as helper:  # whose first plan is there soon
+    # Its first plan is there soon.
+    with Planner('fast-downward', planning_timeout=60.0) as helper:
         case = uncertain_case(helper, instance, _FACTS, Random(instance.name))
     with running_planner() as planner:
         seconds, report = timed(planner, case.space, deadline=deadline)
