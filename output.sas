@@ -39,8 +39,8 @@ begin_variable
 var4
 -1
 2
-Atom have_image(rover1, objective0, high_res)
-NegatedAtom have_image(rover1, objective0, high_res)
+Atom have_image(rover1, objective1, high_res)
+NegatedAtom have_image(rover1, objective1, high_res)
 end_variable
 begin_variable
 var5
@@ -74,8 +74,8 @@ begin_variable
 var9
 -1
 2
-Atom communicated_soil_data(waypoint3)
-NegatedAtom communicated_soil_data(waypoint3)
+Atom communicated_soil_data(waypoint2)
+NegatedAtom communicated_soil_data(waypoint2)
 end_variable
 begin_variable
 var10
@@ -110,15 +110,15 @@ begin_variable
 var14
 -1
 2
-Atom have_image(rover0, objective0, high_res)
-NegatedAtom have_image(rover0, objective0, high_res)
+Atom have_image(rover0, objective1, high_res)
+NegatedAtom have_image(rover0, objective1, high_res)
 end_variable
 begin_variable
 var15
 -1
 2
-Atom communicated_image_data(objective0, high_res)
-NegatedAtom communicated_image_data(objective0, high_res)
+Atom communicated_image_data(objective1, high_res)
+NegatedAtom communicated_image_data(objective1, high_res)
 end_variable
 begin_variable
 var16
@@ -244,7 +244,7 @@ calibrate rover1 camera1 objective1 waypoint2
 1
 end_operator
 begin_operator
-communicate_image_data rover0 general objective0 high_res waypoint0 waypoint3
+communicate_image_data rover0 general objective1 high_res waypoint0 waypoint3
 2
 10 0
 14 0
@@ -253,7 +253,7 @@ communicate_image_data rover0 general objective0 high_res waypoint0 waypoint3
 1
 end_operator
 begin_operator
-communicate_image_data rover0 general objective0 high_res waypoint1 waypoint3
+communicate_image_data rover0 general objective1 high_res waypoint1 waypoint3
 2
 10 1
 14 0
@@ -280,7 +280,7 @@ communicate_image_data rover0 general objective2 high_res waypoint1 waypoint3
 1
 end_operator
 begin_operator
-communicate_image_data rover1 general objective0 high_res waypoint0 waypoint3
+communicate_image_data rover1 general objective1 high_res waypoint0 waypoint3
 2
 0 0
 4 0
@@ -289,7 +289,7 @@ communicate_image_data rover1 general objective0 high_res waypoint0 waypoint3
 1
 end_operator
 begin_operator
-communicate_image_data rover1 general objective0 high_res waypoint1 waypoint3
+communicate_image_data rover1 general objective1 high_res waypoint1 waypoint3
 2
 0 1
 4 0
@@ -298,7 +298,7 @@ communicate_image_data rover1 general objective0 high_res waypoint1 waypoint3
 1
 end_operator
 begin_operator
-communicate_image_data rover1 general objective0 high_res waypoint2 waypoint3
+communicate_image_data rover1 general objective1 high_res waypoint2 waypoint3
 2
 0 2
 4 0
@@ -352,28 +352,28 @@ communicate_rock_data rover0 general waypoint0 waypoint1 waypoint3
 1
 end_operator
 begin_operator
-communicate_soil_data rover1 general waypoint3 waypoint0 waypoint3
+communicate_soil_data rover1 general waypoint2 waypoint0 waypoint3
 2
 0 0
-7 1
+6 1
 1
 0 9 -1 0
 1
 end_operator
 begin_operator
-communicate_soil_data rover1 general waypoint3 waypoint1 waypoint3
+communicate_soil_data rover1 general waypoint2 waypoint1 waypoint3
 2
 0 1
-7 1
+6 1
 1
 0 9 -1 0
 1
 end_operator
 begin_operator
-communicate_soil_data rover1 general waypoint3 waypoint2 waypoint3
+communicate_soil_data rover1 general waypoint2 waypoint2 waypoint3
 2
 0 2
-7 1
+6 1
 1
 0 9 -1 0
 1
@@ -519,9 +519,8 @@ begin_operator
 take_image rover0 waypoint0 objective0 camera2 high_res
 1
 10 0
-2
+1
 0 11 0 1
-0 14 -1 0
 1
 end_operator
 begin_operator
@@ -544,8 +543,9 @@ begin_operator
 take_image rover0 waypoint0 objective1 camera2 high_res
 1
 10 0
-1
+2
 0 11 0 1
+0 14 -1 0
 1
 end_operator
 begin_operator
@@ -593,9 +593,8 @@ begin_operator
 take_image rover0 waypoint1 objective0 camera2 high_res
 1
 10 1
-2
+1
 0 11 0 1
-0 14 -1 0
 1
 end_operator
 begin_operator
@@ -618,8 +617,9 @@ begin_operator
 take_image rover0 waypoint1 objective1 camera2 high_res
 1
 10 1
-1
+2
 0 11 0 1
+0 14 -1 0
 1
 end_operator
 begin_operator
@@ -667,9 +667,8 @@ begin_operator
 take_image rover0 waypoint3 objective0 camera2 high_res
 1
 10 2
-2
+1
 0 11 0 1
-0 14 -1 0
 1
 end_operator
 begin_operator
@@ -684,9 +683,8 @@ begin_operator
 take_image rover1 waypoint0 objective0 camera0 high_res
 1
 0 0
-2
+1
 0 2 0 1
-0 4 -1 0
 1
 end_operator
 begin_operator
@@ -709,17 +707,17 @@ begin_operator
 take_image rover1 waypoint0 objective0 camera1 high_res
 1
 0 0
-2
+1
 0 1 0 1
-0 4 -1 0
 1
 end_operator
 begin_operator
 take_image rover1 waypoint0 objective1 camera0 high_res
 1
 0 0
-1
+2
 0 2 0 1
+0 4 -1 0
 1
 end_operator
 begin_operator
@@ -742,8 +740,9 @@ begin_operator
 take_image rover1 waypoint0 objective1 camera1 high_res
 1
 0 0
-1
+2
 0 1 0 1
+0 4 -1 0
 1
 end_operator
 begin_operator
@@ -784,9 +783,8 @@ begin_operator
 take_image rover1 waypoint1 objective0 camera0 high_res
 1
 0 1
-2
+1
 0 2 0 1
-0 4 -1 0
 1
 end_operator
 begin_operator
@@ -809,17 +807,17 @@ begin_operator
 take_image rover1 waypoint1 objective0 camera1 high_res
 1
 0 1
-2
+1
 0 1 0 1
-0 4 -1 0
 1
 end_operator
 begin_operator
 take_image rover1 waypoint1 objective1 camera0 high_res
 1
 0 1
-1
+2
 0 2 0 1
+0 4 -1 0
 1
 end_operator
 begin_operator
@@ -842,8 +840,9 @@ begin_operator
 take_image rover1 waypoint1 objective1 camera1 high_res
 1
 0 1
-1
+2
 0 1 0 1
+0 4 -1 0
 1
 end_operator
 begin_operator
@@ -884,9 +883,8 @@ begin_operator
 take_image rover1 waypoint2 objective0 camera0 high_res
 1
 0 2
-2
+1
 0 2 0 1
-0 4 -1 0
 1
 end_operator
 begin_operator
@@ -909,17 +907,17 @@ begin_operator
 take_image rover1 waypoint2 objective0 camera1 high_res
 1
 0 2
-2
+1
 0 1 0 1
-0 4 -1 0
 1
 end_operator
 begin_operator
 take_image rover1 waypoint2 objective1 camera0 high_res
 1
 0 2
-1
+2
 0 2 0 1
+0 4 -1 0
 1
 end_operator
 begin_operator
@@ -942,8 +940,9 @@ begin_operator
 take_image rover1 waypoint2 objective1 camera1 high_res
 1
 0 2
-1
+2
 0 1 0 1
+0 4 -1 0
 1
 end_operator
 begin_operator
@@ -984,9 +983,8 @@ begin_operator
 take_image rover1 waypoint3 objective0 camera0 high_res
 1
 0 3
-2
+1
 0 2 0 1
-0 4 -1 0
 1
 end_operator
 begin_operator
@@ -1009,9 +1007,8 @@ begin_operator
 take_image rover1 waypoint3 objective0 camera1 high_res
 1
 0 3
-2
+1
 0 1 0 1
-0 4 -1 0
 1
 end_operator
 0
