@@ -86,11 +86,20 @@ class Explanation:
         if self.positions:
             steps = list(zip(self.model.plan.actions, statuses, strict=True))
             unsaid = [steps[p] for p in self.unsaid_ends]
-            return spoken(sentences, [steps[p] for p in self.positions], unsaid)
+            return spoken(sentences, [steps[p] for p in self._told], unsaid)
         heard = {self.model.sentences[position] for position in self.known}
         if heard.issuperset(self.model.sentences):
             return sentences.phrases.all_heard
         return sentences.phrases.nothing_more
+
+    @property
+    def _told(self) -> list[int]:
+        """The positions that are spoken of: with what is going on, where all said is done."""
+        statuses = self.preparation.statuses
+        if any(statuses[position] is not StepStatus.DONE for position in self.positions):
+            return self.positions
+        going_on = {p for p, status in enumerate(statuses) if status is StepStatus.RUNNING}
+        return sorted(going_on.union(self.positions))
 
     @property
     def _heard(self) -> list[int]:

@@ -171,6 +171,20 @@ def test_a_robot_may_tell_its_progress_itself(robot: Operator) -> None:
     assert '/progress, line 4: (fly away) is no step of the plan' in unknown
 
 
+def test_where_all_that_is_said_is_done_the_step_going_on_is_told_as_well(
+    robot: Operator,
+) -> None:
+    done = '\n'.join(f'done: {line}' for line in LINES[:7])
+    robot.publish(progress=f'{done}\nrunning: {LINES[7]}')
+    on_the_way = report(robot)
+    robot.publish(progress=done)
+    between = report(robot)
+
+    assert between['spoken'] == TOLD[7]
+    assert on_the_way['spoken'] == f"{TOLD[7]}\nI am reaching the warehouses' doors."
+    assert on_the_way['sentences'] == between['sentences']
+
+
 def test_progress_in_the_plan_before_is_not_taken_for_that_in_the_next(robot: Operator) -> None:
     a_minute_ago = Moment(time.monotonic() - 60)
     progress = '\n'.join(f'done: {line}' for line in LINES)
