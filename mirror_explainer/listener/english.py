@@ -134,6 +134,12 @@ def inability(future: str) -> str | None:
     return f'I cannot {future[begin.end() :]}' if begin else None
 
 
+def intention(future: str) -> str | None:
+    """Return "I meant to grab it." for "I will grab it.", None for other sentences."""
+    begin = _FUTURE.match(future)
+    return f'I meant to {future[begin.end() :]}' if begin else None
+
+
 def _subjects(begin: re.Match[str]) -> tuple[str, str]:
     """Return "I am" and "I have" for "I will" as it is written."""
     return _SUBJECTS[' '.join(begin[1].lower().split())]

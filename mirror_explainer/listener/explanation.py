@@ -86,7 +86,8 @@ class Explanation:
         if self.positions:
             steps = list(zip(self.model.plan.actions, statuses, strict=True))
             unsaid = [steps[p] for p in self.unsaid_ends]
-            return spoken(sentences, [steps[p] for p in self._told], unsaid)
+            is_stuck = self.preparation.failed is not None
+            return spoken(sentences, [steps[p] for p in self._told], unsaid, is_stuck)
         heard = {self.model.sentences[position] for position in self.known}
         if heard.issuperset(self.model.sentences):
             return sentences.phrases.all_heard

@@ -27,6 +27,9 @@ from mirror_explainer.listener.wording import Template, Wording, parts
 from mirror_explainer.pddl import Task, words_of
 from mirror_explainer.pddl.progress import StepStatus
 
+# What is of this type is done by an action `do`, whatever it is: "wash_the_cup".
+DONE_TYPE = 'task'
+
 
 @dataclass(frozen=True)
 class Said:
@@ -159,7 +162,7 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     steps apart.
     """
     parameters = action_parameters(task)
-    templates = {**_doings(task), **user_model.templates}
+    templates = {**doings(task), **user_model.templates}
     roles = {n: r for n, r in roles_of(task).items() if n not in templates}
     facts = _static_facts(task) if roles else []
     names = object_names(task)
@@ -185,12 +188,12 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     return replace(usual, defaults={name: readables.of(name, more[name]) for name in roles})
 
 
-def _doings(task: Task) -> dict[str, Template]:
+def doings(task: Task) -> dict[str, Template]:
     """Return the sentences of actions that only say that a task is done: the task has the verb."""
     return {
         action.name: Template(Wording(f'I will {{{action.parameters[0].name}}}.'))
         for action in task.model.actions
-        if action.name in DOING and [p.type.name for p in action.parameters] == ['task']
+        if action.name in DOING and [p.type.name for p in action.parameters] == [DONE_TYPE]
     }
 
 

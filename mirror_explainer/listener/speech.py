@@ -1,8 +1,9 @@
 """An answer as a person hears it: steps in their tenses, like ones in one breath."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from mirror_explainer.listener.english import inability
+from mirror_explainer.listener.english import inability, intention
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Said, Sentences
 from mirror_explainer.listener.wording import parts
@@ -15,18 +16,29 @@ _ARTICLES = frozenset(['the', 'a', 'an', 'my', 'your'])
 Step = tuple[str, StepStatus]  # a ground action, and how far it is
 
 
-def spoken(sentences: Sentences, steps: Sequence[Step], unsaid: Sequence[Step] = ()) -> str:
+def spoken(
+    sentences: Sentences,
+    steps: Sequence[Step],
+    unsaid: Sequence[Step] = (),
+    is_stuck: bool = False,
+) -> str:
     """Return the text for the steps of an answer, in plan order; a sentence a line.
 
     Neighbours of one tense that differ in one object become one sentence: "I will photograph
     the bridge, the tower and the lock." A list is heard as the whole of it: so one that steps
     left `unsaid` would be in, too, ends with "and others"; not one of whole tasks, "I will wash
-    the cup and wait.", which promises no more than two sentences would.
+    the cup and wait.", which promises no more than two sentences would. A robot that `is_stuck`
+    promises nothing: "I meant to photograph the lock." for "I will …", and no other sentence.
     """
     groups: list[list[Said]] = []
     last: StepStatus | None = None
     for action, status in steps:
         said = sentences.worded(action, status)
+        if is_stuck and status is StepStatus.AHEAD:
+            meant = intention(said.text)
+            if meant is None:
+                continue
+            said = replace(said, text=meant)
         if status is last and _differing([*groups[-1], said]):
             groups[-1].append(said)
         else:

@@ -12,6 +12,8 @@ from mirror_explainer.commands.verbalize import main as verbalize
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import read_task
 
+TASKS = Path(__file__).parents[2] / 'config' / 'tasks' / 'domain.pddl'
+
 # A robot that waters beds and empties bins, through gates that may be locked.
 DOMAIN = """(define (domain park) (:requirements :strips :typing :negative-preconditions)
   (:types place gate - object bed bin - thing thing - object)
@@ -326,3 +328,28 @@ def test_of_very_many_goals_seen_the_most_frequent_give_patterns_and_it_is_said(
     assert len(patterns) == MOST_LIFTED
     assert {c.why for c in patterns} == {f'like the {MOST_LIFTED} most frequent of these'}
     assert not any(predicates[0] in c.pattern.goal for c in patterns)
+
+
+def test_of_a_list_of_tasks_none_is_exchanged_for_another(tmp_path):
+    (tmp_path / 'problem.pddl').write_text(
+        '(define (problem day) (:domain tasks)\n'
+        '  (:objects wash_the_cup dry_the_cup park_in_the_garage - task)\n'
+        '  (:goal (and (done wash_the_cup) (done park_in_the_garage))))'
+    )
+    seen = tmp_path / 'seen.yaml'
+    seen.write_text('goals_seen:\n  (done wash_the_cup): 2\n')
+    options = ['--domain', str(TASKS), '--problem', f'{tmp_path}/problem.pddl']
+
+    _, draft = drafted([*options, '--goals-seen', str(seen)], tmp_path)
+
+    assert {candidate['goal'] for candidate in draft['goals']} == {
+        '(and (done wash_the_cup) (done park_in_the_garage))',
+        '(done wash_the_cup)',
+        '(done park_in_the_garage)',
+    }
+    assert draft['sentences'] == {'do': 'I will {task}.'}
+    assert draft['objects'] == {
+        'wash_the_cup': 'wash the cup',
+        'dry_the_cup': 'dry the cup',
+        'park_in_the_garage': 'park in the garage',
+    }

@@ -112,7 +112,7 @@ def test_progress_may_be_told_instead_of_being_read_off_the_state(verbalize) -> 
 def test_a_step_that_failed_is_told_first(verbalize) -> None:
     told = verbalize(AT_START, progress='done: (drive dock sink)\nfailed: (pick cup sink)')
 
-    assert told.startswith('I am stuck: I cannot take the cup.\nI will take the cake.\n\n')
+    assert told.startswith('I am stuck: I cannot take the cup.\nI meant to take the cake.\n\n')
 
 
 def test_progress_that_names_no_step_is_refused(verbalize) -> None:

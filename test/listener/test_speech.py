@@ -101,6 +101,13 @@ def test_a_list_of_what_is_done_is_whole_whatever_is_ahead() -> None:
     )
 
 
+def test_a_robot_that_is_stuck_promises_nothing() -> None:
+    steps = [('(shoot mill)', DONE), *ahead('(shoot lock)', '(shoot bridge)', '(next a)')]
+    assert spoken(sentences(), steps, is_stuck=True) == (
+        'I have photographed the mill.\nI meant to photograph the lock and the bridge.'
+    )
+
+
 def test_the_word_for_the_rest_of_a_list_can_be_set() -> None:
     steps, left = ahead('(shoot mill)', '(shoot lock)'), ahead('(shoot bridge)')
     assert spoken(sentences(others='andere', and_='und'), steps, left) == (

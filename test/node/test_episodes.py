@@ -165,7 +165,7 @@ def test_a_robot_may_tell_its_progress_itself(robot: Operator) -> None:
     assert spoken == 'I am grabbing a blue cube.\nI will grab a red circle.'
     assert stuck == (
         'I am stuck: I cannot grab a blue cube.\n'
-        'I will grab a red circle.\nI will exit from the bottom door.'
+        'I meant to grab a red circle.\nI meant to exit from the bottom door.'
     )
     assert '(move left center) was done, and is not any more' in back
     assert '/progress, line 4: (fly away) is no step of the plan' in unknown

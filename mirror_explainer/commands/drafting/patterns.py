@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import combinations
 
 from mirror_explainer.listener.goals import parts_of
+from mirror_explainer.listener.sentences import DONE_TYPE, doings
 from mirror_explainer.pddl import Task, goal_expression, words_of
 from mirror_explainer.pddl.atoms import effects_in
 
@@ -81,12 +82,17 @@ class World:
         return part in self.task.initial_facts
 
     def _kept(self, parts: Sequence[str]) -> set[str]:
-        """Return the objects that only parts name which hold already: where the robot parks."""
+        """Return whole tasks, and objects that only parts name which hold already."""
         new, old = (
             {word for part in some for word in _words(part) if word in self.types}
             for some in ([p for p in parts if not self.holds(p)], filter(self.holds, parts))
         )
-        return old - new if len(parts) > 1 else set()
+        return self._whole_tasks | (old - new if len(parts) > 1 else set())
+
+    @cached_property
+    def _whole_tasks(self) -> set[str]:
+        """The objects that have a verb of their own: no other does as well in their place."""
+        return {*self.of_type[DONE_TYPE]} if doings(self.task) else set()
 
     def lifted(self, parts: Sequence[str], fixed: Collection[str] = ()) -> Pattern:
         """Return the pattern of a goal's parts, whose objects vary but for the fixed ones."""
@@ -114,7 +120,7 @@ class World:
     def like(self, parts: Sequence[str]) -> list[Pattern]:
         """Return patterns of goals like this one, each with a bounded number of choices.
 
-        All objects vary, but for those that only parts name which hold already; or where that
+        All objects vary, but for those that are kept; or where that
         is too much, those of one type at a time, or each by itself.
         """
         named = [word for part in parts for word in _words(part) if word in self.types]

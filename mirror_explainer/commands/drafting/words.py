@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mirror_explainer.listener.sentences import sentences_for
+from mirror_explainer.listener.sentences import DONE_TYPE, doings, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task, words_of
@@ -34,11 +34,16 @@ def drafted_words(task: Task, plan: Sequence[str]) -> Words:
     is at a place: where a step of the plan would sound otherwise it is kept apart.
     """
     default = sentences_for(task, UserModel(goals=()), plan)
-    objects = {name: known.called() for name, known in default.names.items()}
+    whole = doings(task)
+    objects = {
+        name: ' '.join(known.words) if whole and DONE_TYPE in known.kinds else known.called()
+        for name, known in default.names.items()
+    }
     if len(objects) > MOST_OBJECTS:
         used = {word for step in plan for word in words_of(step)[1:]}
         objects = {name: called for name, called in objects.items() if name in used}
     sentences = {name: readable.sentence for name, readable in default.defaults.items()}
+    sentences |= {name: template.wording.future for name, template in whole.items()}
     templates = {name: Template(Wording(text)) for name, text in sentences.items()}
     drafted = replace(default, templates=templates, objects=objects)
     unsure = {words_of(step)[0] for step in plan if drafted.of(step) != default.of(step)}
