@@ -28,7 +28,7 @@ PLAIN = (_LANDMARKS_AND_PATTERNS, _LMCUT, _MERGE_AND_SHRINK)
 CONDITIONAL = (_HMAX, _MERGE_AND_SHRINK, _BLIND)
 AXIOMS = (_BLIND,)
 
-FIRST_TRY = 0.1
+FIRST_TRY = 0.04
 _LONGER = 4.0
 
 # What suited another task is tried for so many times as long as the others, and at first for
