@@ -18,7 +18,7 @@ from mirror_explainer.planning.downward.ground_task import GroundTask, Operator
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.translations import Translations
-from mirror_explainer.planning.downward.portfolio import PLAIN, Try, next_try
+from mirror_explainer.planning.downward.portfolio import FIRST_TRY, PLAIN, Try, next_try
 from mirror_explainer.planning.downward.program import Search, find_downward
 from mirror_explainer.planning.downward.subject import Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
@@ -111,39 +111,42 @@ def test_every_search_for_derived_predicates_finds_what_fast_downward_says(seed:
 
 
 def tries(lesson: Try | None, left: float) -> list[tuple[str, float]]:
-    """Return what is tried one after another on a task that no search is done with."""
+    """Return what is tried one after another on a task that no search is done with.
+
+    What is left, and how long each takes, is counted in first tries.
+    """
     tried: dict[str, float] = {}
     found = []
-    while one := next_try(PLAIN, lesson, tried, left):
-        found.append((one.configuration, pytest.approx(one.seconds)))
+    while one := next_try(PLAIN, lesson, tried, left * FIRST_TRY):
+        found.append((one.configuration, pytest.approx(one.seconds / FIRST_TRY)))
         tried[one.configuration] = one.seconds
-        left -= one.seconds
+        left -= one.seconds / FIRST_TRY
     return found
 
 
 def test_short_tries_of_every_search_come_before_longer_ones() -> None:
     first, second, third = PLAIN
 
-    assert tries(None, 3.3) == [
-        *((member, 0.1) for member in PLAIN),
-        *((member, 0.4) for member in PLAIN),
-        (first, 1.6),
-        (second, 0.2),
+    assert tries(None, 33.0) == [
+        *((member, 1.0) for member in PLAIN),
+        *((member, 4.0) for member in PLAIN),
+        (first, 16.0),
+        (second, 2.0),
     ]
 
 
 def test_what_suited_one_task_is_tried_first_and_for_longer_at_the_next() -> None:
     first, second, third = PLAIN
 
-    assert tries(Try(third, 0.01), 6.0)[:6] == [
-        (third, 0.8),
-        (first, 0.1),
-        (second, 0.1),
-        (third, 3.2),
-        (first, 0.4),
-        (second, 0.4),
+    assert tries(Try(third, 0.1 * FIRST_TRY), 60.0)[:6] == [
+        (third, 8.0),
+        (first, 1.0),
+        (second, 1.0),
+        (third, 32.0),
+        (first, 4.0),
+        (second, 4.0),
     ]
-    assert tries(Try(second, 0.7), 10.0)[0] == (second, 1.4)
+    assert tries(Try(second, 7.0 * FIRST_TRY), 100.0)[0] == (second, 14.0)
 
 
 def test_the_time_in_which_a_search_does_not_work_does_not_count(tmp_path: Path) -> None:
