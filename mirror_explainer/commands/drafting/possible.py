@@ -53,12 +53,17 @@ class Possible:
     def made(self, plan: Iterable[str]) -> Iterator[str]:
         """Yield what does not hold, a step of a plan brings about, and a later one needs.
 
-        Of these only what may hold beside the rest, as `absent` does.
+        Of these only what may hold beside the rest, as `absent` does; and of more than one object
+        only what holds of others, as a gate may be open: the rest is the robot's own work.
         """
+        usual = {words_of(fact)[0] for fact in self._initial}
         brought: set[str] = set()
         for step in plan:
             for atom in self._conditions(step):
-                if atom in brought and self._may_be_doubted(atom) and self._free(atom):
+                predicate, *objects = words_of(atom)
+                is_work = len(objects) > 1 and predicate not in usual
+                may_hold = not is_work and self._may_be_doubted(atom) and self._free(atom)
+                if atom in brought and may_hold:
                     yield atom
             brought |= set(self._effects(step, True)) - self._initial
 
