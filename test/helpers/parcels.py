@@ -62,8 +62,10 @@ class RightAnswers:
         return self.template.replace(_number_words(0), _number_words(number))
 
     def are(self, message: str, number: int) -> bool:
-        """Say whether a message is the answer to an update, be it told as a new task or not."""
-        return message.removeprefix(f'{Phrases.new_task}\n') == self.to(number)
+        """Say whether a message is the answer to an update, be it told as something new or not."""
+        first, _, rest = message.partition('\n')
+        is_news = first in (Phrases.new_task, Phrases.replanned)
+        return (rest if is_news else message) == self.to(number)
 
 
 def _number_words(number: int) -> str:

@@ -137,7 +137,7 @@ def test_a_timed_plan_of_durative_actions_is_explained_from_pddl_to_sentences(
     preparation = prepared(read_task(DOMAIN, PROBLEM), TIMED_PLAN, USER_MODEL)
 
     assert preparation.model.sentences == (
-        'I will charge in the kitchen.',
+        'I will charge in the Kitchen.',
         'I will move to Problem.',
         'I will move to the at.',
     )

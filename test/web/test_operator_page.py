@@ -187,7 +187,7 @@ def test_the_button_gives_the_answer_and_all_that_it_does_by_keyboard_alone(oper
     understanding = operator.get_by_role('row', name='Understanding: how sure')
     uncertainty = operator.get_by_role('row', name='Uncertainty (cross-entropy')
     expect(said).to_have_count(3)
-    expect(true_goal).to_contain_text('red circle and blue cube, bottom door')
+    expect(true_goal).to_contain_text('a red circle and a blue cube, the bottom door')
     expect(true_goal.get_by_role('cell')).to_have_text([before, after])
     expect(understanding.get_by_role('cell')).to_have_text([before, after])
     expect(uncertainty.get_by_role('cell')).to_have_text(
