@@ -84,6 +84,7 @@ def answered_without(
     Returns what was heard: the answer that was made without planning, and the complete one
     afterwards.
     """
+    eventually(lambda: words not in last_diagnostic(peer)['message'], 'the end of a fault before')
     inject()
     level = diagnosed(peer, words)
     reason = last_diagnostic(peer)['message']
