@@ -74,8 +74,9 @@ def latched(peer: Peer, topic: str) -> str:
 
 
 def test_a_call_is_about_what_came_before_it_even_if_the_executor_comes_to_it_first(
-    peer: Peer,
+    peer: Peer, caplog: pytest.LogCaptureFixture
 ) -> None:
+    caplog.set_level('DEBUG', 'mirror_explainer')  # as the node does, but until the test has ended
     given = {'user_model_file': USER_MODEL, 'answer_timeout': 30.0}
     node = ExplainerNode(
         namespace=peer.node.get_namespace(),
