@@ -56,6 +56,15 @@ def drafted(options: list[str], folder: Path) -> tuple[str, dict]:
     return text, yaml.safe_load(text)
 
 
+def test_a_condition_that_is_no_fact_is_not_doubted(barn, tmp_path):
+    gates = GATES.replace('(way ?a ?b) (gate-open', '(way ?a ?b) (not (= ?a ?b)) (gate-open')
+    (tmp_path / 'domain.pddl').write_text(gates.replace(':strips', ':strips :equality'))
+
+    _, model = drafted(barn, tmp_path)
+
+    assert model['uncertain_facts'][0]['fact'] == '(gate-open yard barn1)'
+
+
 def test_the_draft_is_taken_as_it_stands(park, tmp_path, capsys):
     drafted(park, tmp_path)
     answers = capsys.readouterr().out

@@ -59,11 +59,10 @@ class Possible:
         usual = {words_of(fact)[0] for fact in self._initial}
         brought: set[str] = set()
         for step in plan:
-            for atom in self._conditions(step):
+            for atom in (a for a in self._conditions(step) if a in brought):
                 predicate, *objects = words_of(atom)
                 is_work = len(objects) > 1 and predicate not in usual
-                may_hold = not is_work and self._may_be_doubted(atom) and self._free(atom)
-                if atom in brought and may_hold:
+                if not is_work and self._may_be_doubted(atom) and self._free(atom):
                     yield atom
             brought |= set(self._effects(step, True)) - self._initial
 
