@@ -130,14 +130,17 @@ def phrase_tenses(future: str, phrase: str) -> tuple[tuple[str, str], tuple[str,
 
 def inability(future: str) -> str | None:
     """Return "I cannot grab it." for "I will grab it.", None for other sentences."""
-    begin = _FUTURE.match(future)
-    return f'I cannot {future[begin.end() :]}' if begin else None
+    return _begun(future, 'I cannot')
 
 
 def intention(future: str) -> str | None:
     """Return "I meant to grab it." for "I will grab it.", None for other sentences."""
+    return _begun(future, 'I meant to')
+
+
+def _begun(future: str, subject: str) -> str | None:
     begin = _FUTURE.match(future)
-    return f'I meant to {future[begin.end() :]}' if begin else None
+    return f'{subject} {future[begin.end() :]}' if begin else None
 
 
 def _subjects(begin: re.Match[str]) -> tuple[str, str]:

@@ -15,6 +15,7 @@ from typing import Any
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.listener.goals import parts_of
 from mirror_explainer.listener.user_model_file import Fault
+from mirror_explainer.listener.wording import plain_name
 from mirror_explainer.pddl import Task, goal_expression
 from mirror_explainer.pddl.expressions import as_text, nested_words
 from mirror_explainer.pddl.states import Evaluator
@@ -173,7 +174,7 @@ class _Goals:
         """Return what says how the objects of a choice are called in names."""
 
         def plainly(choice: Mapping[str, str]) -> dict[str, str]:
-            return {v: o.replace('_', ' ').replace('-', ' ') for v, o in choice.items()}
+            return {v: plain_name(o) for v, o in choice.items()}
 
         def in_words(choice: Mapping[str, str]) -> dict[str, str]:
             known = {v: self.called[o] for v, o in choice.items() if o in self.called}

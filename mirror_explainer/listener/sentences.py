@@ -23,7 +23,7 @@ from mirror_explainer.listener.readable import Readable, Readables
 from mirror_explainer.listener.roles import Roles, roles_of
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.listener.verb_phrase import DOING
-from mirror_explainer.listener.wording import Template, Wording, parts
+from mirror_explainer.listener.wording import Template, Wording, parts, plain_name
 from mirror_explainer.pddl import Task, words_of
 from mirror_explainer.pddl.progress import StepStatus
 
@@ -214,11 +214,6 @@ def in_tense(wording: Wording, status: StepStatus, phrases: Phrases) -> str:
     if status is StepStatus.RUNNING:
         return wording.future
     return phrases.already.replace('{sentence}', wording.future)
-
-
-def plain_name(item: str) -> str:
-    """Return an object's name in words, for a place in a user model's sentence."""
-    return item.replace('-', ' ').replace('_', ' ')
 
 
 def _static_facts(task: Task) -> list[tuple[str, ...]]:

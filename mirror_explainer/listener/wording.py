@@ -52,6 +52,11 @@ def parts(text: str) -> Iterator[tuple[str, str]]:
         yield literal, parameter or ''
 
 
+def plain_name(item: str) -> str:
+    """Return an object's name in words, for a place in a user model's sentence or name."""
+    return item.replace('-', ' ').replace('_', ' ')
+
+
 def template_faults(template: Template, parameters: tuple[str, ...]) -> list[str]:
     """Return what is wrong with a template of an action that has these parameters."""
     faults = [

@@ -1,6 +1,7 @@
 """What the robot is doing, from one of its messages to the next."""
 
 from collections.abc import Callable, Collection
+from functools import partial
 
 from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.node.inputs import Inputs, Text
@@ -43,9 +44,10 @@ class RobotStatus:
         steps = without_dummy(read(problem.text), read_plan(plan.text, plan.source, inputs.limits))
         progress = inputs.progress if inputs.progress is not self._stale else None
         given = (domain, problem.text, steps, read, plan.source, inputs.limits)
+        first = partial(situation_of, *given)
         try:
             if before is None:
-                situation = situation_of(*given)
+                situation = first()
             else:
                 situation = next_situation(before, *given, uncertain, is_told=bool(progress))
         except InputError as error:
@@ -63,7 +65,7 @@ class RobotStatus:
             if situation.begins_again(progress.text):
                 situation = begun_again(situation)
             elif problem.text != self._told_in:
-                situation = gone_back(situation, progress.text, *given)
+                situation = gone_back(situation, progress.text, first)
             situation = situation.telling(progress.text, progress.source)
             if progress.text != self._told:
                 self._told, self._told_in = progress.text, problem.text

@@ -129,25 +129,17 @@ def begun_again(situation: Situation) -> Situation:
     )
 
 
-def gone_back(
-    situation: Situation,
-    text: str,
-    domain: str,
-    problem: str,
-    steps: Sequence[Step],
-    read: Callable[[str], Task],
-    source: str = 'plan',
-    limits: InputLimits | None = None,
-) -> Situation:
+def gone_back(situation: Situation, text: str, first: Callable[[], Situation]) -> Situation:
     """Return the situation of a robot that does steps of its plan again before it is done.
 
-    It tells that by a progress text, and its newer state agrees; else nothing has changed.
+    It tells that by a progress text, and its newer state agrees; else nothing has changed. `first`
+    returns its situation by its newest messages, were they the first, as `situation_of` does.
     """
     told = read_progress(text, situation.episode.actions)
     if situation.told is None or not told.undone(situation.told):
         return situation
     try:
-        new = situation_of(domain, problem, steps, read, source, limits)
+        new = first()
     except InputError:
         return situation
     if new.episode.actions != situation.episode.actions or told.undone(new.seen):

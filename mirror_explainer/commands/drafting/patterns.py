@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
+import unified_planning.model as up
+
 from mirror_explainer.listener.goals import parts_of
 from mirror_explainer.listener.sentences import DONE_TYPE, doings
 from mirror_explainer.pddl import Task, goal_expression, words_of
@@ -47,10 +49,7 @@ class World:
     @cached_property
     def types(self) -> dict[str, str]:
         """Each object's own type."""
-        return {
-            item.name.lower(): item.type.name if item.type.is_user_type() else 'object'
-            for item in self.task.model.all_objects
-        }
+        return {item.name.lower(): type_name(item) for item in self.task.model.all_objects}
 
     @cached_property
     def of_type(self) -> dict[str, list[str]]:
@@ -61,14 +60,18 @@ class World:
         return found
 
     @cached_property
-    def static_facts(self) -> frozenset[str]:
-        """The initial facts that no action changes."""
-        changing = {
+    def changing(self) -> frozenset[str]:
+        """The predicates that actions change."""
+        return frozenset(
             effect.fluent.fluent().name.lower()
             for action in self.task.model.actions
             for effect in effects_in(action)
-        }
-        return frozenset(f for f in self.task.initial_facts if words_of(f)[0] not in changing)
+        )
+
+    @cached_property
+    def static_facts(self) -> frozenset[str]:
+        """The initial facts that no action changes."""
+        return frozenset(f for f in self.task.initial_facts if words_of(f)[0] not in self.changing)
 
     def parts(self, goal: str) -> tuple[str, ...]:
         """Return a goal's parts as texts; raises InputError for what is no goal here."""
@@ -199,6 +202,11 @@ class World:
         """Say whether all conditions hold whose variables are chosen already."""
         ground = (_renamed(condition, chosen) for condition in where)
         return all('{' in condition or condition in self.static_facts for condition in ground)
+
+
+def type_name(typed: up.Object | up.Parameter) -> str:
+    """Return the name of an object's or a parameter's own type."""
+    return typed.type.name if typed.type.is_user_type() else 'object'
 
 
 def kind_of(part: str) -> str:

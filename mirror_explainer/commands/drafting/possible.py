@@ -6,7 +6,7 @@ from functools import cached_property
 
 import unified_planning.model as up
 
-from mirror_explainer.commands.drafting.patterns import World
+from mirror_explainer.commands.drafting.patterns import World, type_name
 from mirror_explainer.pddl import conjuncts, words_of
 from mirror_explainer.pddl.atoms import effects_in
 
@@ -30,15 +30,6 @@ class Possible:
     def _aimed_at(self) -> set[str]:
         """The predicates of goals: that one is reached already is no doubt about the world."""
         return {words_of(part.replace('(not ', ''))[0] for goal in self.goals for part in goal}
-
-    @cached_property
-    def _static(self) -> set[str]:
-        changing = {
-            effect.fluent.fluent().name.lower()
-            for action in self._model.actions
-            for effect in effects_in(action)
-        }
-        return {fluent.name.lower() for fluent in self._model.fluents} - changing
 
     def needed(self, plan: Iterable[str]) -> Iterator[str]:
         """Yield what holds initially and an action of a plan needs: of one object at most.
@@ -114,8 +105,8 @@ class Possible:
                     return None
                 continue
             parameter = argument.parameter()
-            kind = parameter.type.name if parameter.type.is_user_type() else 'object'
-            if item not in self.world.of_type[kind] or bound.get(parameter.name, item) != item:
+            of_type = self.world.of_type[type_name(parameter)]
+            if item not in of_type or bound.get(parameter.name, item) != item:
                 return None
             bound[parameter.name] = item
         return bound
@@ -124,7 +115,7 @@ class Possible:
         predicate, *objects = words_of(atom)
         if predicate in self._aimed_at:
             return False
-        return len(objects) <= 1 or predicate not in self._static
+        return len(objects) <= 1 or predicate in self.world.changing
 
     def absent(self) -> Iterator[str]:
         """Yield what does not hold, an action can bring about, and another needs.
@@ -192,7 +183,7 @@ class Possible:
         taken = frozenset(self._undone(plan))
         by_predicate: dict[str, list[list[str]]] = {}
         for predicate, *objects in map(words_of, sorted(self._initial)):
-            if len(objects) == 2 and predicate not in self._static | self._aimed_at:
+            if len(objects) == 2 and predicate in self.world.changing - self._aimed_at:
                 by_predicate.setdefault(predicate, []).append(objects)
         for predicate, pairs in by_predicate.items():
             for thing, place in ((0, 1), (1, 0)):

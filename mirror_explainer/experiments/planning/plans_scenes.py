@@ -11,6 +11,7 @@ from mirror_explainer.experiments.benchmark.protocol import draw_facts, draw_goa
 from mirror_explainer.experiments.warehouse_files import read_warehouse
 from mirror_explainer.listener.prior import belief_prior
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel
+from mirror_explainer.listener.wording import plain_name
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.text.sections import without_comments
 from mirror_explainer.planning import Plan, Planner
@@ -91,7 +92,7 @@ def renamed(scene: Scene, random: Random) -> Scene:
 
 def _called(scene: Scene, names: Mapping[str, str]) -> dict[str, str]:
     """Return what each renamed object is called in the sentences: as before."""
-    readable = {item: item.replace('-', ' ').replace('_', ' ') for item in names}
+    readable = {item: plain_name(item) for item in names}
     own = {item: said for item, said in scene.user_model.objects.items() if item in names}
     return {**readable, **own}
 
