@@ -24,7 +24,8 @@ class StandIn:
         for command in commands:
             self._popen.stdin.write(f'{command}\n')
             self._popen.stdin.flush()
-            assert self._popen.stdout.readline() == 'done\n', command
+            # The middleware prints what it notices on stdout too.
+            assert 'done\n' in iter(self._popen.stdout.readline, ''), command
 
     def stop(self) -> None:
         """End it as a launch file does; after a crash DDS would notice only 20 s later."""
