@@ -1,24 +1,49 @@
 """Call /verbalize_plan as a person would, and show the answer beside the whole plan."""
 
+import argparse
 import json
 import sys
 import threading
 import time
+from collections.abc import Iterator
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-TIMEOUT = 60.0  # s, for the explainer to start, and then for an answer
 PAUSE = 1.0  # s between two calls; what is over by then is not told
+
+
+def options() -> argparse.Namespace:
+    """Return what the command line asks for."""
+    parser = argparse.ArgumentParser(
+        description='Ask the robot "What are you up to?", and show the answer beside its plan.',
+        epilog='Exit status: 0 with an answer, 1 without, 130 on Ctrl-C. What is for ROS follows '
+        '--ros-args, such as -r __ns:=/robot1 for a robot with a namespace.',
+    )
+    parser.add_argument(
+        '--once',
+        action='store_true',
+        help='ask once, and print nothing but what the robot says: for scripts',
+    )
+    parser.add_argument(
+        '--timeout',
+        type=float,
+        default=60.0,
+        metavar='S',
+        help='s, to wait for the explainer, and again for an answer (default: %(default)g)',
+    )
+    return parser.parse_args(remove_ros_args(sys.argv)[1:])
 
 
 def main() -> int:
     """Ask once everything is up; return 0 if there was an answer, 130 on Ctrl-C."""
+    wanted = options()
     # ROS would end under a call that waits.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = Node('operator')
@@ -37,7 +62,11 @@ def main() -> int:
     thread = threading.Thread(target=executor.spin, daemon=True)
     thread.start()
     try:
-        return ask(client, explanations, explained)
+        if not is_there(client, wanted.timeout):
+            return 1
+        if wanted.once:
+            return ask_once(client, wanted.timeout)
+        return ask(client, wanted.timeout, explanations, explained)
     except KeyboardInterrupt:
         return 130
     finally:
@@ -47,16 +76,32 @@ def main() -> int:
         rclpy.try_shutdown()
 
 
-def ask(client, explanations: list[dict], explained: threading.Event) -> int:
+def is_there(client, timeout: float) -> bool:
+    """Wait for the explainer; return whether it is there."""
+    if client.wait_for_service(min(timeout, 5 * PAUSE)):
+        return True
+    tell(f'nothing offers {client.srv_name} yet: is the explainer running? Waiting for it.')
+    if client.wait_for_service(timeout):
+        return True
+    tell('the explainer did not start')
+    return False
+
+
+def ask_once(client, timeout: float) -> int:
+    """Print what the robot says, on stderr why it has no answer."""
+    answer = next(answers(client, timeout), None)
+    if answer is None:
+        tell(f'there was no answer for {timeout:g} s')
+        return 1
+    print(answer.message, file=sys.stdout if answer.success else sys.stderr)
+    return 0 if answer.success else 1
+
+
+def ask(client, timeout: float, explanations: list[dict], explained: threading.Event) -> int:
     """Call until the node has heard the robot; print plan and answer."""
-    if not client.wait_for_service(5 * PAUSE):
-        tell(f'nothing offers {client.srv_name} yet: is the explainer running? Waiting for it.')
-        if not client.wait_for_service(TIMEOUT):
-            tell('the explainer did not start')
-            return 1
-    answer = succeeding(client)
-    if answer is None or not explained.wait(TIMEOUT):
-        tell(f'there was no answer for {TIMEOUT:.0f} s')
+    answer = succeeding(client, timeout)
+    if answer is None or not explained.wait(timeout):
+        tell(f'there was no answer for {timeout:g} s')
         return 1
     explanation = explanations[-1]
     print("The robot's plan, with the actions that it tells marked:\n")
@@ -73,28 +118,35 @@ def ask(client, explanations: list[dict], explained: threading.Event) -> int:
     return 0
 
 
-def succeeding(client) -> Trigger.Response | None:
+def succeeding(client, timeout: float) -> Trigger.Response | None:
     """Return the first answer that succeeds, None if there is none in time; tell what does not.
 
     The robot may not have been heard yet, and whoever sees why may mend it meanwhile.
     """
-    end = time.monotonic() + TIMEOUT
     before = told = None
-    while time.monotonic() < end:
-        done = threading.Event()
-        future = client.call_async(Trigger.Request())
-        future.add_done_callback(lambda _, done=done: done.set())
-        if not done.wait(TIMEOUT / 4):
-            continue  # it was lost: the explainer did not know this client yet
-        answer = future.result()
+    for answer in answers(client, timeout):
         if answer.success:
             return answer
         if answer.message == before != told:
-            tell(f'{answer.message}\n(asking again until there is a plan to tell; Ctrl-C ends)')
+            tell(
+                f'{answer.message}\n(asking again until there is a plan to tell; the log of the '
+                'explainer says what it waits for; Ctrl-C ends)'
+            )
             told = answer.message
         before = answer.message
         time.sleep(PAUSE)
     return None
+
+
+def answers(client, timeout: float) -> Iterator[Trigger.Response]:
+    """Yield the answers to one call after the other, for so many seconds."""
+    end = time.monotonic() + timeout
+    while time.monotonic() < end:
+        done = threading.Event()
+        future = client.call_async(Trigger.Request())
+        future.add_done_callback(lambda _, done=done: done.set())
+        if done.wait(timeout / 4):  # else it was lost: the explainer did not know this client yet
+            yield future.result()
 
 
 def tell(text: str) -> None:

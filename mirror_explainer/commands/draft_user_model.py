@@ -30,6 +30,7 @@ from mirror_explainer.planning import Planner
 from mirror_explainer.settings import PlanningSettings, Question
 from mirror_explainer.text_files import read_text, write_text
 
+_MOST_TOLD = 10  # of the goals that are left out
 _HEAD = """# A first user model, drafted by draft_user_model from the robot's own texts.
 # Check each part against what your listeners know, and what your robot does.
 """
@@ -98,8 +99,10 @@ def _goals_seen(world: World, paths: Sequence[str]) -> Counter[str]:
             except InputError as error:
                 left_out.append(f'{goal}: {error.reason}')
         if left_out:
-            more = f' (and {len(left_out) - 1} more)' if len(left_out) > 1 else ''
-            warning = f'{path}: left out, since it is no goal of this problem: {left_out[0]}{more}'
+            told = '; '.join(left_out[:_MOST_TOLD])
+            unsaid = len(left_out) - _MOST_TOLD
+            more = f'; and {unsaid} more' if unsaid > 0 else ''
+            warning = f'{path}: left out as no goals of this problem: {told}{more}'
             tell_warning('draft_user_model', warning)
     return seen
 

@@ -23,9 +23,10 @@ class Phrases:
         'I am done.', 'Nothing is left to do. What the robot achieved is said before it.'
     )
     no_plan: str = _phrase('I have nothing to do right now.', 'The robot has no plan.')
+    no_plan_yet: str = _phrase('I have no plan yet.', 'No plan has come since the node started.')
     not_ready: str = _phrase(
         'I do not know yet. Please ask me again in a moment.',
-        'The plan has not come yet, or is still being read.',
+        'The plan is still being read, or something else that it takes has not come.',
     )
     all_heard: str = _phrase(
         'You have heard all that I am up to.', 'Every step of the plan was said before.'

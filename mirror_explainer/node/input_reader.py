@@ -2,7 +2,6 @@
 
 import logging
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -71,9 +70,12 @@ class InputReader:
     def _readiness_for(self, inputs: Inputs, stop: StopRequest) -> Readiness:
         try:
             if inputs.missing:
-                _check_alone(inputs, partial(self.files.read, limits=inputs.limits))
+                self._check_alone(inputs)
                 return Readiness(
-                    Phase.WAITING, f'waiting for {", ".join(inputs.missing)}', cure=_START
+                    Phase.WAITING,
+                    f'waiting for {", ".join(inputs.missing)}',
+                    cure=_START,
+                    spoken=self.phrases.not_ready if inputs.plan else self.phrases.no_plan_yet,
                 )
             return planning(self._prepare(inputs, stop), done=0)
         except NoPlanError as error:
@@ -87,6 +89,20 @@ class InputReader:
         except Exception as error:  # the node must outlive a fault of ours
             _log.exception('where the internal error came from')
             return internal_error(error)
+
+    def _check_alone(self, inputs: Inputs) -> None:
+        """Raise InputError for what is wrong already, whatever is still missing."""
+        for text, kind in ((inputs.domain, 'domain'), (inputs.problem, 'problem')):
+            if text:
+                require_definition(text.text, kind, text.source, inputs.limits)
+        if inputs.plan:
+            read_plan(inputs.plan.text, inputs.plan.source, inputs.limits)
+        if inputs.user_model_file:
+            read_file = partial(self.files.read, limits=inputs.limits)
+            user_model = read_user_model(
+                inputs.user_model_file, read=read_file, limits=inputs.limits
+            )
+            self.phrases = user_model.phrases
 
     def _prepare(self, inputs: Inputs, stop: StopRequest) -> Preparation:
         """Return what is known once all is read, without any planning.
@@ -161,14 +177,3 @@ class InputReader:
             )
             self._task = (domain, problem, limits, task)
         return self._task[3]
-
-
-def _check_alone(inputs: Inputs, read: Callable[[str], str]) -> None:
-    """Raise InputError for what is wrong already, whatever is still missing."""
-    for text, kind in ((inputs.domain, 'domain'), (inputs.problem, 'problem')):
-        if text:
-            require_definition(text.text, kind, text.source, inputs.limits)
-    if inputs.plan:
-        read_plan(inputs.plan.text, inputs.plan.source, inputs.limits)
-    if inputs.user_model_file:
-        read_user_model(inputs.user_model_file, read=read, limits=inputs.limits)

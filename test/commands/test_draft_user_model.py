@@ -219,16 +219,19 @@ def test_what_all_goals_seen_have_is_not_taken_away(park, tmp_path):
     assert '(and (emptied red_bin) (at shed))' in {entry['goal'] for entry in model['goals']}
 
 
-def test_a_goal_seen_in_another_problem_is_left_out_with_a_warning(park, tmp_path, capsys):
+def test_goals_seen_in_another_problem_are_left_out_each_named(park, tmp_path, capsys):
     seen = tmp_path / 'seen.txt'
-    seen.write_text('(watered tulips)\n(watered lilies)\n(mown lawn)\n')
+    others = '\n'.join(f'(mown lawn_{number})' for number in range(11))
+    seen.write_text(f'(watered tulips)\n(watered lilies)\n{others}\n')
     _, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
     assert '(watered lilies)' in {entry['goal'] for entry in model['goals']}
-    assert capsys.readouterr().err == (
-        f'draft_user_model: warning: {seen}: left out, since it is no goal of this problem: '
-        '(watered tulips): the problem has no object "tulips" '
-        '(and 1 more)\n'
+    told = capsys.readouterr().err
+    assert told.startswith(
+        f'draft_user_model: warning: {seen}: left out as no goals of this problem: '
+        '(watered tulips): the problem has no object "tulips"; (mown lawn_0): '
     )
+    assert '(mown lawn_8)' in told
+    assert told.endswith('; and 2 more\n')
 
 
 # A robot in a domain without types, where one room happens to be dirty.

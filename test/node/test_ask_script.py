@@ -20,9 +20,10 @@ SCRIPT = Path(__file__).parents[2] / 'scripts' / 'ask.py'
 
 
 @contextmanager
-def asking(peer: Peer, log: Path) -> Iterator[subprocess.Popen]:
-    """Run the script in the peer's namespace."""
-    words = [sys.executable, SCRIPT, '--ros-args', '-r', f'__ns:={peer.node.get_namespace()}']
+def asking(peer: Peer, log: Path, *options: str) -> Iterator[subprocess.Popen]:
+    """Run the script with options in the peer's namespace."""
+    namespace = ['--ros-args', '-r', f'__ns:={peer.node.get_namespace()}']
+    words = [sys.executable, SCRIPT, *options, *namespace]
     with log.open('w') as output:
         process = subprocess.Popen(
             words,
@@ -51,6 +52,20 @@ def test_a_fault_is_told_while_it_asks_on_and_the_answer_once_it_is_mended(
 
     assert log.read_text().count('"fly"') == 1
     assert 'Robot: "I will exit from the bottom door."' in log.read_text()
+
+
+def test_asked_once_it_says_no_more_than_the_robot(peer: Peer, tmp_path: Path) -> None:
+    before, after = tmp_path / 'before.txt', tmp_path / 'after.txt'
+    with explainer(peer, tmp_path):
+        with asking(peer, before, '--once', '--timeout', str(PATIENCE)) as process:
+            assert process.wait(PATIENCE) == 1
+        peer.publish_warehouse()
+        said = peer.answer()
+        with asking(peer, after, '--once') as process:
+            assert process.wait(PATIENCE) == 0
+
+    assert before.read_text() == 'I have no plan yet.\n'
+    assert after.read_text() == f'{said}\n'
 
 
 def test_ctrl_c_ends_it_quietly_while_it_waits_for_the_node(peer: Peer, tmp_path: Path) -> None:

@@ -103,19 +103,24 @@ def served(shared: Operator) -> Iterator[Operator]:
 
 def test_what_is_missing_is_said_until_all_has_been_heard(operator) -> None:
     robot = operator()
-    nothing = robot.refusal()
+    nothing, for_the_operator = robot.refusal(), robot.explainer.diagnose({}, 0).message
     robot.publish(plan=PROBLEM)
     mixed_up = robot.refusal()
     robot.publish(domain=DOMAIN, plan=PLAN)
-    rest = robot.refusal()
+    rest, of_the_rest = robot.refusal(), robot.explainer.diagnose({}, 0).message
     robot.set(user_model_file=USER_MODEL)
     robot.publish(problem=PROBLEM)
 
-    assert all(word in nothing for word in ('domain', 'problem', 'plan', 'user_model_file'))
+    assert nothing == 'I have no plan yet.'
+    assert for_the_operator == (
+        'waiting for domain (topic, or parameter domain_file), problem (topic), plan (topic), '
+        'user model (parameter user_model_file)'
+    )
     assert mixed_up.startswith(
         '/plan, line 1: this is a PDDL definition, but a plan is expected here'
     )
-    assert rest == 'waiting for problem (topic), user model (parameter user_model_file)'
+    assert rest == 'I do not know yet. Please ask me again in a moment.'
+    assert of_the_rest == 'waiting for problem (topic), user model (parameter user_model_file)'
     assert robot.answer() == THREE_SENTENCES
 
 
