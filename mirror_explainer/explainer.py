@@ -16,8 +16,13 @@ from mirror_explainer.listener.preparation import Preparation, RobotPlan
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
-from mirror_explainer.pddl.progress import StepStatus
-from mirror_explainer.pddl.situation import NEW_TASK, REPLANNED, Situation
+from mirror_explainer.pddl.situation import (
+    NEW_TASK,
+    REPLANNED,
+    RESTARTED,
+    RESUMED,
+    Situation,
+)
 from mirror_explainer.planning import Plan
 from mirror_explainer.selection.choice import (
     Selection,
@@ -90,12 +95,10 @@ def explain(
 
 
 def _past(preparation: Preparation, model: MirrorModel) -> list[int]:
-    """Return the positions that sentences stand for of which every step is done."""
+    """Return the positions that sentences stand for of which every step is over."""
     statuses = preparation.statuses
     return [
-        places[-1]
-        for places in model.places
-        if all(statuses[place] is StepStatus.DONE for place in places)
+        places[-1] for places in model.places if all(statuses[place].is_over for place in places)
     ]
 
 
@@ -104,9 +107,15 @@ def _opening(preparation: Preparation, last_episode: int | None) -> str:
     situation, phrases = preparation.situation, preparation.sentences.phrases
     if situation is None or last_episode in (None, situation.number):
         return ''
-    if situation.reason == REPLANNED or situation.like_before:
+    if situation.like_before:
         return phrases.replanned
-    return phrases.new_task if situation.reason == NEW_TASK else ''
+    openings = {
+        REPLANNED: phrases.replanned,
+        RESTARTED: phrases.restarted,
+        NEW_TASK: phrases.new_task,
+        RESUMED: phrases.resumed,
+    }
+    return openings.get(situation.reason, '')
 
 
 def _selection(

@@ -391,7 +391,7 @@ TYPES = {
             'action': str,
             'sentence': str,
             'status': str,
-            'tenses': {'ahead': str, 'running': str, 'done': str},
+            'tenses': {'ahead': str, 'running': str, 'done': str, 'skipped': str},
             'information_gain': NUMBER,
         }
     ],

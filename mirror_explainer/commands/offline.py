@@ -42,7 +42,8 @@ def add_file_arguments(parser: argparse.ArgumentParser) -> argparse._ArgumentGro
     files.add_argument('--problem', required=True, help="PDDL problem: the robot's state and goal")
     files.add_argument('--plan', help="the robot's plan; planned for if left out")
     files.add_argument(
-        '--progress', help='how far the robot is: "done: (…)" or "running: (…)", one step a line'
+        '--progress',
+        help='how far the robot is: "done: (…)", "running: (…)" and so on, one step a line',
     )
     files.add_argument('--user-model', required=True, help='YAML: what the listener may believe')
     return files

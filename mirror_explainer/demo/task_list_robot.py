@@ -21,9 +21,9 @@ from mirror_explainer.node.task_list import LATCHED, TaskList, parsed_tasks
 class TaskListRobot(Node):
     """Publishes what `TaskList` does from what it hears on `tasks` (std_msgs/String).
 
-    Each message is the whole list, one task a line, in order, with `done:`, `running:`
-    or `failed:` before those that have begun. An empty one: nothing to do. The parameters
-    `known_tasks` and `user_model_file` name tasks that the robot may have at other times.
+    Each message is the whole list, one task a line, in order, with `done:`, `running:`,
+    `skipped:` or `failed:` before those that are not ahead. An empty one: nothing to do. The
+    parameters `known_tasks` and `user_model_file` name tasks that it may have at other times.
     """
 
     def __init__(self) -> None:
@@ -53,7 +53,8 @@ class TaskListRobot(Node):
 
     def _on_tasks(self, message: String) -> None:
         try:
-            self._tasks.tell(parsed_tasks(message.data))
+            tasks, reason = parsed_tasks(message.data)
+            self._tasks.tell(tasks, reason=reason)
         except InputError as error:
             self.get_logger().error(told(error))
 

@@ -5,6 +5,7 @@ lemminflect, which knows the verbs and inflects them, is loaded when it is first
 
 import re
 from functools import cache
+from itertools import dropwhile
 
 
 def word_set(words: str) -> frozenset[str]:
@@ -136,6 +137,16 @@ def inability(future: str) -> str | None:
 def intention(future: str) -> str | None:
     """Return "I meant to grab it." for "I will grab it.", None for other sentences."""
     return _begun(future, 'I meant to')
+
+
+def omission(future: str) -> str | None:
+    """Return "I did not grab it." for "I will grab it.", None for other sentences."""
+    begin = _FUTURE.match(future)
+    words = future[begin.end() :].split() if begin else []
+    words = [*dropwhile(_is_adverb, words)]
+    if not words or _bare(words[0]) in ('not', 'never'):
+        return None
+    return ' '.join(['I was not', *words[1:]] if words[0] == 'be' else ['I did not', *words])
 
 
 def _begun(future: str, subject: str) -> str | None:

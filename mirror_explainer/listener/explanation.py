@@ -74,17 +74,18 @@ class Explanation:
         sentences, failed = self.preparation.sentences, self.preparation.failed
         lines = [self.opening]
         if failed is not None:
-            lines.append(stuck(sentences, self.model.plan.actions[failed]))
+            reason = self.preparation.failure_reason
+            lines.append(stuck(sentences, self.model.plan.actions[failed], reason))
         if failed is None or self.positions:
             lines.append(self._steps_spoken(sentences))
         return '\n'.join(filter(None, lines))
 
     def _steps_spoken(self, sentences: Sentences) -> str:
         statuses = self.preparation.statuses
-        if all(status is StepStatus.DONE for status in statuses):
-            return reached(sentences, self.actions)
+        steps = list(zip(self.model.plan.actions, statuses, strict=True))
+        if all(status.is_over for status in statuses):
+            return reached(sentences, [steps[p] for p in self.positions])
         if self.positions:
-            steps = list(zip(self.model.plan.actions, statuses, strict=True))
             unsaid = [steps[p] for p in self.unsaid_ends]
             is_stuck = self.preparation.failed is not None
             return spoken(sentences, [steps[p] for p in self._told], unsaid, is_stuck)
@@ -95,9 +96,9 @@ class Explanation:
 
     @property
     def _told(self) -> list[int]:
-        """The positions that are spoken of: with what is going on, where all said is done."""
+        """The positions that are spoken of: with what is going on, where all said is over."""
         statuses = self.preparation.statuses
-        if any(statuses[position] is not StepStatus.DONE for position in self.positions):
+        if not all(statuses[position].is_over for position in self.positions):
             return self.positions
         going_on = {p for p, status in enumerate(statuses) if status is StepStatus.RUNNING}
         return sorted(going_on.union(self.positions))

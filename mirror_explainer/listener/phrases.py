@@ -24,6 +24,11 @@ class Phrases:
     )
     no_plan: str = _phrase('I have nothing to do right now.', 'The robot has no plan.')
     no_plan_yet: str = _phrase('I have no plan yet.', 'No plan has come since the node started.')
+    stopped: str = _phrase(
+        'I have stopped. I have nothing to do right now.',
+        'The robot has no plan any more, and told that it had begun its last one, but not that it '
+        'was through with it.',
+    )
     not_ready: str = _phrase(
         'I do not know yet. Please ask me again in a moment.',
         'The plan is still being read, or something else that it takes has not come.',
@@ -46,10 +51,27 @@ class Phrases:
         'with it what is still to be achieved, or was on the way.',
         may_be_empty=True,
     )
+    restarted: str = _phrase(
+        'I have started again.',
+        'Before the first answer about a plan that the robot begins once more, before it was '
+        'through with it.',
+        may_be_empty=True,
+    )
+    resumed: str = _phrase(
+        'I have gone back to what I was doing.',
+        'Before the first answer about the goal that a new task had put off.',
+        may_be_empty=True,
+    )
     failed: str = _phrase(
         'I am stuck: {step}',
-        'A step failed. {step} is "I cannot …" of a sentence with "I will …", else the sentence.',
+        'A step failed. {step} is "I cannot …" of a sentence with "I will …", else the sentence. '
+        "The robot's reason, if it gives one, is the next sentence.",
         places='step',
+    )
+    skipped: str = _phrase(
+        'Left out: {sentence}',
+        'Before the sentence of a step that was left out, where it does not begin with "I will".',
+        places='sentence',
     )
     already: str = _phrase(
         'Already done: {sentence}',

@@ -87,6 +87,11 @@ class Preparation:
         return next(iter(self.situation.progress.failed), None) if self.situation else None
 
     @property
+    def failure_reason(self) -> str:
+        """Why that step failed, in the robot's words, '' if it does not say."""
+        return self.situation.progress.reason if self.situation else ''
+
+    @property
     def model(self) -> MirrorModel:
         """P_R^H of the user model's listener."""
         return self.model_for(self.listener)

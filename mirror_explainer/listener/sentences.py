@@ -13,6 +13,7 @@ from itertools import permutations
 from mirror_explainer.listener.distinct import more_parameters
 from mirror_explainer.listener.english import (
     as_verb_phrase,
+    omission,
     other_tenses,
     phrase_tenses,
     verb_parameter,
@@ -84,7 +85,7 @@ class Sentences:
         return self._observations[action]
 
     def said(self, action: str, status: StepStatus) -> str:
-        """Return the sentence for a ground action that is ahead, going on or done."""
+        """Return the sentence for a ground action that is ahead, going on, done or left out."""
         return self.worded(action, status).sentence
 
     def worded(self, action: str, status: StepStatus) -> Said:
@@ -113,7 +114,8 @@ class Sentences:
         phrase = as_verb_phrase(called[verb])
         tenses = phrase_tenses(wording.future, phrase)
         text = in_tense(wording, status, self.phrases)
-        if tenses and status is not StepStatus.AHEAD and text not in wording.given[1:]:
+        inflects = status in (StepStatus.RUNNING, StepStatus.DONE)
+        if tenses and inflects and text not in wording.given[1:]:
             text, phrase = tenses[0 if status is StepStatus.RUNNING else 1]
         return Said(text, {**called, verb: phrase}, verb)
 
@@ -203,9 +205,12 @@ def action_parameters(task: Task) -> dict[str, tuple[str, ...]]:
 
 
 def in_tense(wording: Wording, status: StepStatus, phrases: Phrases) -> str:
-    """Return a wording's text for a step that is ahead, going on or done."""
+    """Return a wording's text for a step that is ahead, going on, done or left out."""
     if status is StepStatus.AHEAD:
         return wording.future
+    if status is StepStatus.SKIPPED:
+        left_out = phrases.skipped.replace('{sentence}', wording.future)
+        return omission(wording.future) or left_out
     given = wording.present if status is StepStatus.RUNNING else wording.past
     if given:
         return given

@@ -39,7 +39,9 @@ def spoken(
             if meant is None:
                 continue
             said = replace(said, text=meant)
-        if status is last and _differing([*groups[-1], said]):
+        # "I did not wash the cup and the plate" might be heard as if one of them was washed.
+        alike = status is last and status is not StepStatus.SKIPPED
+        if alike and _differing([*groups[-1], said]):
             groups[-1].append(said)
         else:
             groups.append([said])
@@ -48,16 +50,19 @@ def spoken(
     return '\n'.join(_together(group, left, sentences.phrases) for group in groups)
 
 
-def reached(sentences: Sentences, achieved: Sequence[str]) -> str:
-    """Return what is said when nothing is left to do; `achieved` are the steps that did it."""
-    told = spoken(sentences, [(action, StepStatus.DONE) for action in achieved])
-    return '\n'.join(filter(None, (told, sentences.phrases.reached)))
+def reached(sentences: Sentences, steps: Sequence[Step]) -> str:
+    """Return what is said when nothing is left to do; of the `steps` it is told what they did."""
+    return '\n'.join(filter(None, (spoken(sentences, steps), sentences.phrases.reached)))
 
 
-def stuck(sentences: Sentences, failed: str) -> str:
-    """Return what is said when a step, a ground action, failed."""
+def stuck(sentences: Sentences, failed: str, reason: str = '') -> str:
+    """Return what is said when a step, a ground action, failed; `reason` is the robot's own."""
     sentence = sentences.of(failed)
-    return sentences.phrases.failed.replace('{step}', inability(sentence) or sentence)
+    told = sentences.phrases.failed.replace('{step}', inability(sentence) or sentence)
+    if not reason:
+        return told
+    end = '' if reason.endswith(('.', '!', '?', '…')) else '.'
+    return f'{told}\n{reason[0].upper()}{reason[1:]}{end}'
 
 
 def _differing(group: Sequence[Said]) -> str:

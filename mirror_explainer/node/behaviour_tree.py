@@ -1,6 +1,7 @@
 """The tasks of a behaviour tree of py_trees: what it means to do, and how far it is with that.
 
-Nothing of py_trees is imported: what is needed of it are names, children and statuses.
+Nothing of py_trees is imported: what is needed of it are names, children and statuses, and of
+a node that failed the message that says why.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,6 +18,7 @@ class TreeNode(Protocol):
 
     name: str
     status: Any
+    feedback_message: str
 
     @property
     def children(self) -> Sequence[Any]:
@@ -28,18 +30,35 @@ def tree_tasks(root: TreeNode, leaves: Kinds) -> list[tuple[str, str]]:
 
     Tasks are what is an instance of `leaves`, whatever is below it. Of a selector it means
     the child that it is at, or ended with, and before it begins the first. A failure is one
-    only if all above it failed, too: what is tried again goes on, and what may fail is left
-    out. Where the tree failed for another reason, such as a condition, the next task failed;
-    it has nothing to do where none had begun.
+    only if all above it failed, too: what is tried again goes on, and below what succeeded all
+    the same it is skipped, as is what has not begun there. Where the tree failed for another
+    reason, such as a condition, the next task failed; it has nothing to do where none had
+    begun, unless that condition says why.
     """
-    tasks = list(_meant(root, leaves, 'failed'))
+    tasks = list(_meant(root, leaves))
     standings = [standing for _, standing in tasks]
+    if {*standings} <= {'skipped'}:
+        return []
     if _standing(root) != 'failed' or 'failed' in standings or 'ahead' not in standings:
         return tasks
-    following = standings.index('ahead')
-    if standings == ['ahead'] * len(tasks):
+    if {*standings} == {'ahead'} and not _own_words(_failed(root)[-1]):
         return []
+    following = standings.index('ahead')
     return [*tasks[:following], (tasks[following][0], 'failed'), *tasks[following + 1 :]]
+
+
+def failure_reason(root: TreeNode, leaves: Kinds) -> str:
+    """Return why a tree failed, '' if it did not, or does not say.
+
+    That is the `feedback_message` of the node that failed first, but not one of py_trees' own
+    nodes, which is for developers; without one of a condition it is its name.
+    """
+    failed = _failed(root)
+    if not failed:
+        return ''
+    is_task = any(isinstance(node, leaves) for node in failed)
+    check = '' if is_task else f'This check failed: {failed[-1].name}'
+    return _own_words(failed[-1]) or check
 
 
 def all_tasks(root: TreeNode, leaves: Kinds) -> Iterator[str]:
@@ -51,25 +70,53 @@ def all_tasks(root: TreeNode, leaves: Kinds) -> Iterator[str]:
             yield from all_tasks(child, leaves)
 
 
-def _meant(node: TreeNode, leaves: Kinds, failure: str) -> Iterator[tuple[str, str]]:
-    """Yield the tasks at and below a node; a `failure` stands for this, '' if for nothing."""
+def _meant(
+    node: TreeNode, leaves: Kinds, failure: str = 'failed', rest: str = 'ahead'
+) -> list[tuple[str, str]]:
+    """Return the tasks at and below a node.
+
+    There a `failure` stands for this, and what has not begun for `rest`.
+    """
     standing = _standing(node)
     if isinstance(node, leaves):
-        standing = failure if standing == 'failed' else standing
-        if standing:
-            yield node.name, standing
-        return
-    failure = {'running': 'running', 'done': ''}.get(standing, failure)
-    for child in _branches(node):
-        yield from _meant(child, leaves, failure)
+        return [(node.name, {'failed': failure, 'ahead': rest}.get(standing, standing))]
+    if standing == 'running':
+        failure = 'running'
+    elif standing == 'done':
+        failure = rest = 'skipped'
+    tasks = [task for child in _branches(node) for task in _meant(child, leaves, failure, rest)]
+    if tasks or not _is_selector(node):
+        return tasks
+    # It is at a branch without tasks, and so does without those of the first.
+    if standing == 'running':
+        failure = rest = 'skipped'
+    return _meant(node.children[0], leaves, failure, rest)
 
 
 def _branches(node: TreeNode) -> Sequence[TreeNode]:
     """Return the children that the tree means to run."""
-    if any(kind.__name__ == 'Selector' for kind in type(node).__mro__):
+    if _is_selector(node):
         current = getattr(node, 'current_child', None)
         return node.children[:1] if current is None else [current]
     return node.children
+
+
+def _failed(root: TreeNode) -> list[TreeNode]:
+    """Return the nodes that failed since those below them did, from the root on."""
+    if _standing(root) != 'failed':
+        return []
+    below = (_failed(child) for child in _branches(root))
+    return [root, *next(filter(None, below), [])]
+
+
+def _own_words(node: TreeNode) -> str:
+    """Return what a node says of itself, '' for a node of py_trees' own."""
+    is_own = type(node).__module__.split('.')[0] != 'py_trees'
+    return node.feedback_message if is_own else ''
+
+
+def _is_selector(node: TreeNode) -> bool:
+    return any(kind.__name__ == 'Selector' for kind in type(node).__mro__)
 
 
 def _standing(node: TreeNode) -> str:

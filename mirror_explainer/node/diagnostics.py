@@ -181,7 +181,8 @@ def _work(readiness: Readiness, history: History, answer: Explanation | None) ->
     preparation = readiness.preparation
     if preparation is not None and preparation.situation is not None:
         situation, statuses = preparation.situation, preparation.statuses
-        counts = [f'{statuses.count(status)} {status}' for status in reversed(StepStatus)]
+        told = [s for s in reversed(StepStatus) if s in statuses or s is not StepStatus.SKIPPED]
+        counts = [f'{statuses.count(status)} {status}' for status in told]
         values |= {
             'episode': f'{situation.number}, {situation.reason}',
             'progress': ', '.join(counts),

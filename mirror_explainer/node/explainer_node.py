@@ -72,8 +72,8 @@ class ExplainerNode(Node):
 
     Subscribers (std_msgs/String, from volatile and transient-local publishers):
         * **domain**, **problem**, **plan**: the robot's task and plan, in PDDL
-        * **progress**: how far the plan is, from robots that tell it: "done: (move a b)" or
-          "running: (…)" or "failed: (…)", one step a line
+        * **progress**: how far the plan is, from robots that tell it: "done: (move a b)",
+          "skipped: (…)", "running: (…)" or "failed: (…) because …", one step a line
 
     Services (std_srvs/Trigger):
         * **verbalize_plan**: say what the robot is up to, or why that cannot be said

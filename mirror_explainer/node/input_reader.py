@@ -79,7 +79,8 @@ class InputReader:
                 )
             return planning(self._prepare(inputs, stop), done=0)
         except NoPlanError as error:
-            spoken = self.phrases.no_plan
+            phrases = self.phrases
+            spoken = phrases.stopped if self._robot.is_under_way else phrases.no_plan
             return Readiness(Phase.WAITING, str(error), cure=error.cure, spoken=spoken)
         except InputError as error:
             cure = error.cure or _CORRECT

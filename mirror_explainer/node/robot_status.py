@@ -27,6 +27,12 @@ class RobotStatus:
         self._stale: Text | None = None
         self._told, self._told_in = '', ''  # the last progress text, and the problem it came with
 
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the robot itself told that its last plan had begun, and not that it was over."""
+        situation = self._situation
+        return situation is not None and situation.told is not None and situation.is_under_way
+
     def update(
         self,
         domain: str,

@@ -15,10 +15,16 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 from mirror_explainer.errors import InputError, did_you_mean
-from mirror_explainer.node.behaviour_tree import Kinds, TreeNode, all_tasks, tree_tasks
+from mirror_explainer.node.behaviour_tree import (
+    Kinds,
+    TreeNode,
+    all_tasks,
+    failure_reason,
+    tree_tasks,
+)
 from mirror_explainer.text_files import read_text
 
-STANDINGS = ('ahead', 'running', 'done', 'failed')
+STANDINGS = ('ahead', 'running', 'done', 'skipped', 'failed')
 TOPICS = ('domain', 'problem', 'progress', 'plan')
 _NEVER = 'never_told'  # a task that is never done
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -44,17 +50,21 @@ class TaskList:
         self._known = _spelling([*named, *known])
         self._goal = ''
         self._told: dict[str, str] = {}
+        self._tree: TreeNode | None = None  # that has been ticked
         self._outputs = {topic: node.create_publisher(String, topic, LATCHED) for topic in TOPICS}
         share = Path(get_package_share_directory('mirror_explainer'))
         self._publish('domain', (share / 'config' / 'tasks' / 'domain.pddl').read_text())
 
-    def tell(self, tasks: Iterable[tuple[str, str]], ends: Collection[str] = ()) -> None:
-        """Tell the tasks in order, each with its standing: ahead, running, done or failed.
+    def tell(
+        self, tasks: Iterable[tuple[str, str]], ends: Collection[str] = (), reason: str = ''
+    ) -> None:
+        """Tell the tasks in order, each with its standing: one of STANDINGS.
 
-        `ends` are those of them that the others are for; without them all are. No tasks: the
-        robot has nothing to do.
+        `ends` are those of them that the others are for; without them all are. `reason` says
+        to people why one failed, as in "The blade is not sharp." No tasks: the robot has
+        nothing to do.
         """
-        texts = task_texts(tasks, ends)
+        texts = task_texts(tasks, ends, reason)
         self._known |= texts.names
         self._goal = texts.goal or self._goal
         self._publish('problem', problem_text(self._known.values(), texts.done, self._goal))
@@ -66,11 +76,15 @@ class TaskList:
 
         They are the nodes of the class `leaves`, or of one of these classes. `ends` are
         names of nodes anywhere in the tree: those in the branches that it means to run count.
+        A tree that was ticked and is INVALID now was given up: it has nothing to do.
         """
         if not_there := {*ends}.difference(every := [*all_tasks(root, leaves)]):
             raise _no_task(min(not_there), every)
-        tasks = tree_tasks(root, leaves)
-        self.tell(tasks, [end for end in ends if any(end == task for task, _ in tasks)])
+        is_reset = root.status.name == 'INVALID'
+        tasks = [] if is_reset and root is self._tree else tree_tasks(root, leaves)
+        self._tree = self._tree if is_reset else root
+        named = {task for task, _ in tasks}
+        self.tell(tasks, [end for end in ends if end in named], failure_reason(root, leaves))
 
     def _publish(self, topic: str, text: str) -> None:
         if self._told.get(topic) != text:
@@ -92,8 +106,11 @@ class TaskTexts(NamedTuple):
     progress: str
 
 
-def task_texts(tasks: Iterable[tuple[str, str]], ends: Collection[str] = ()) -> TaskTexts:
+def task_texts(
+    tasks: Iterable[tuple[str, str]], ends: Collection[str] = (), reason: str = ''
+) -> TaskTexts:
     """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
+    because = ' '.join(['', 'because', *reason.replace(';', ',').split()]) if reason else ''
     told = [(task, checked_standing(standing)) for task, standing in tasks]
     names = _spelling(task for task, _ in told)
     named = [(task_name(task).lower(), standing) for task, standing in told]
@@ -107,7 +124,9 @@ def task_texts(tasks: Iterable[tuple[str, str]], ends: Collection[str] = ()) -> 
         goal=f'(and {" ".join(f"(done {name})" for name in goals)})' if goals else '',
         plan='\n'.join(f'(do {name})' for name, _ in named),
         progress='\n'.join(
-            f'{standing}: (do {name})' for name, standing in named if standing != 'ahead'
+            f'{standing}: (do {name}){because if standing == "failed" else ""}'
+            for name, standing in named
+            if standing != 'ahead'
         ),
     )
 
@@ -131,17 +150,22 @@ def named_tasks(user_model: str) -> list[str]:
     return re.findall(r'\(\s*done\s+([^\s(){}]+)\s*\)', user_model, re.IGNORECASE)
 
 
-def parsed_tasks(text: str) -> list[tuple[str, str]]:
+def parsed_tasks(text: str) -> tuple[list[tuple[str, str]], str]:
     """Return the tasks that a text names, one a line: `done: fetch the cup`, `wipe the table`.
 
-    A line without a standing is a task that is ahead.
+    A line without a standing is a task that is ahead. With them goes the reason for the first
+    that failed, as in `failed: wipe the table because the sponge is dry`; '' if none is given.
     """
-    tasks = []
+    tasks, reasons = [], []
     for line in filter(None, map(str.strip, text.splitlines())):
-        standing, colon, task = line.partition(':')
-        found = colon and standing.strip().lower() in STANDINGS
-        tasks.append((task.strip(), standing.strip().lower()) if found else (line, 'ahead'))
-    return tasks
+        standing, colon, task = (part.strip() for part in line.partition(':'))
+        if not colon or (standing := standing.lower()) not in STANDINGS:
+            standing, task = 'ahead', line
+        elif standing == 'failed':
+            task, _, reason = task.partition(' because ')
+            reasons.append(reason.strip())
+        tasks.append((task, standing))
+    return tasks, next(iter(reasons), '')
 
 
 def task_name(task: str) -> str:

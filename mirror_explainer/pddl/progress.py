@@ -1,4 +1,4 @@
-"""How far a plan is carried out: each of its steps is done, going on, or ahead."""
+"""How far a plan is carried out: each of its steps is done, left out, going on, or ahead."""
 
 import itertools
 import re
@@ -7,17 +7,19 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 
-from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.errors import InputError, did_you_mean, one_line
 from mirror_explainer.pddl.atoms import ground_text
 from mirror_explainer.pddl.happenings import Happening
 from mirror_explainer.text_files import plain_text
 
 _LINE = re.compile(
-    r'(?P<status>[a-z]+)\s*:?\s*\(\s*(?P<words>[^\s()]+(?:\s+[^\s()]+)*)\s*\)', re.IGNORECASE
+    r'(?P<status>[a-z]+)\s*:?\s*\(\s*(?P<words>[^\s()]+(?:\s+[^\s()]+)*)\s*\)'
+    r'(?P<because>\s*because\s+(?P<reason>.+))?',
+    re.IGNORECASE,
 )
 # Of the same action twice, the first is the one that is further.
-_STATUSES = ('done', 'running', 'failed', 'ahead')
-_FORM = 'Write one step a line, as in "done: (move a b)", with done, running or failed.'
+_STATUSES = ('done', 'skipped', 'running', 'failed', 'ahead')
+_FORM = 'Write one step a line, as in "done: (move a b)", with done, skipped, running or failed.'
 
 
 class StepStatus(StrEnum):
@@ -26,17 +28,25 @@ class StepStatus(StrEnum):
     AHEAD = 'ahead'
     RUNNING = 'running'
     DONE = 'done'
+    SKIPPED = 'skipped'
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing of the step is left to do: it is done, or was left out."""
+        return self in (StepStatus.DONE, StepStatus.SKIPPED)
 
 
 @dataclass(frozen=True)
 class Progress:
     """What has become of each step of a plan. `failed` are those, by position, that went wrong.
 
-    A step that failed is ahead: it is still to be done, if the robot can.
+    A step that failed is ahead: it is still to be done, if the robot can. `reason` is why the
+    first of them failed, in the robot's words, '' if it does not say.
     """
 
     steps: tuple[StepStatus, ...]
     failed: tuple[int, ...] = ()
+    reason: str = ''
 
     @classmethod
     def none(cls, length: int) -> 'Progress':
@@ -59,8 +69,8 @@ class Progress:
 
     @property
     def finished(self) -> bool:
-        """Whether every step is done."""
-        return all(status is StepStatus.DONE for status in self.steps)
+        """Whether every step is done, or was left out."""
+        return all(status.is_over for status in self.steps)
 
     @cached_property
     def done(self) -> int:
@@ -82,22 +92,24 @@ class Progress:
 def read_progress(
     text: str, actions: Sequence[str], known: Progress | None = None, source: str = 'progress'
 ) -> Progress:
-    """Read a progress text: "done: (…)", "running: (…)" or "failed: (…)", one step a line.
+    """Read a progress text: "done: (…)", or skipped, running or failed, one step a line.
 
-    It is about the plan with these `actions`, of which `known` is what was known before.
-    Steps that are not named are ahead, also before others that are done; the lines may
-    stand in any order, and the same action twice counts from its first place in the plan. An
-    empty text says that nothing has begun. Raises InputError with the line of what is no such
-    line or no step of the plan, and for a step that was done and is not any more.
+    It is about the plan with these `actions`, of which `known` is what was known before. What
+    failed may have a reason: "failed: (grab cup) because the cup is too hot". Steps that are
+    not named are ahead, also before others that are done; the lines may stand in any order,
+    and the same action twice counts from its first place in the plan. An empty text says that
+    nothing has begun. Raises InputError with the line of what is no such line or no step of
+    the plan, and for a step that was done and is not any more.
     """
     places: dict[str, list[int]] = {}
     for position, action in enumerate(actions):
         places.setdefault(action, []).append(position)
     named: dict[str, list[str]] = {action: [] for action in places}
+    reasons: dict[str, str] = {}
     for number, line in enumerate(plain_text(text).split('\n'), start=1):
         content = line.split(';')[0].strip()
         if content:
-            status, action = _line(content, number, source)
+            status, action, reason = _line(content, number, source)
             if action not in places:
                 raise InputError(
                     source,
@@ -109,8 +121,10 @@ def read_progress(
             count = len(places[action])
             if len(named[action]) > count:
                 times = 'once' if count == 1 else f'{count} times'
-                reason = f'{action} is in the plan {times}, and is named here once more'
-                raise InputError(source, reason, number, cure=_FORM)
+                fault = f'{action} is in the plan {times}, and is named here once more'
+                raise InputError(source, fault, number, cure=_FORM)
+            if reason:
+                reasons.setdefault(action, reason)
     steps = [StepStatus.AHEAD] * len(actions)
     failed = []
     for action, statuses in named.items():
@@ -121,20 +135,22 @@ def read_progress(
                 failed.append(position)
             else:
                 steps[position] = StepStatus(status)
-    progress = Progress(tuple(steps), tuple(sorted(failed)))
+    failed.sort()
+    reason = reasons.get(actions[failed[0]], '') if failed else ''
+    progress = Progress(tuple(steps), tuple(failed), reason)
     if known is not None:
         _require_no_way_back(progress, known, actions, source)
     return progress
 
 
-def _line(content: str, number: int, source: str) -> tuple[str, str]:
-    """Return a line's status, and the action."""
+def _line(content: str, number: int, source: str) -> tuple[str, str, str]:
+    """Return a line's status, the action, and the reason for a failure, '' if none is given."""
     found = _LINE.fullmatch(content)
     status = found['status'].lower() if found else ''
-    if not found or status not in _STATUSES:
+    if not found or status not in _STATUSES or (found['because'] and status != 'failed'):
         raise InputError(source, f'this is no progress: "{content[:80]}"', number, cure=_FORM)
     name, *arguments = found['words'].split()
-    return status, ground_text(name, arguments)
+    return status, ground_text(name, arguments), one_line(found['reason'] or '')
 
 
 def _require_no_way_back(

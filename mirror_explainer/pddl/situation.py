@@ -11,11 +11,12 @@ from mirror_explainer.pddl.following import follow
 from mirror_explainer.pddl.plan_check import missing_goals
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.problem_text import with_state
-from mirror_explainer.pddl.progress import Progress, read_progress
+from mirror_explainer.pddl.progress import Progress, StepStatus, read_progress
 from mirror_explainer.pddl.states import Evaluator, UnknownNumberError
 from mirror_explainer.pddl.task import Task
 
-FIRST, REPLANNED, NEW_TASK, AGAIN = 'first', 'replanned', 'new task', 'again'
+FIRST, NEW_TASK, AGAIN = 'first', 'new task', 'again'
+REPLANNED, RESTARTED, RESUMED = 'replanned', 'restarted', 'resumed'
 
 
 @dataclass(frozen=True)
@@ -23,10 +24,12 @@ class Situation:
     """An episode of the robot, the `number`-th, and how far its plan is.
 
     `domain` and `problem` are the texts of its task, with the state in which it began;
-    `reason` is why it began: FIRST, REPLANNED for the same goal, AGAIN for that once it was
-    reached, or NEW_TASK. That is `like_before` where a part of its goal was one of the goal
-    before, which was not reached, and was achieved on the way or is still to be. `seen` is the
-    progress that states show, `told` what the robot itself says of it, if it does.
+    `reason` is why it began: FIRST, REPLANNED for the same goal, RESTARTED for that and the
+    same plan, AGAIN for a goal once it was reached, NEW_TASK, or RESUMED for the goal that was
+    `put_off` for a new task before it was reached. A new task is `like_before` where a part of
+    its goal was one of the goal before, which was not reached, and was achieved on the way or
+    is still to be. `seen` is the progress that states show, `told` what the robot itself says
+    of it, if it does.
     """
 
     episode: Episode
@@ -38,16 +41,23 @@ class Situation:
     like_before: bool = False
     began: datetime | None = None
     told: Progress | None = None
+    put_off: frozenset[str] | None = None
 
     @property
     def takes_up_goal(self) -> bool:
-        """Whether this is not a new plan for a goal that was not reached yet."""
-        return self.reason != REPLANNED
+        """Whether this goal was not taken up before without being reached."""
+        return self.reason in (FIRST, NEW_TASK, AGAIN)
 
     @property
     def progress(self) -> Progress:
         """How far the plan is, as far as is known."""
         return self.seen if self.told is None else self.told
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether the plan has begun, and is not at its end."""
+        has_begun = self.progress != Progress.none(len(self.progress.steps))
+        return has_begun and not self.progress.finished
 
     def begins_again(self, text: str) -> bool:
         """Say whether a robot that was done tells, by a progress text, that it is not any more."""
@@ -111,9 +121,19 @@ def next_situation(
             return replace(before, seen=seen)
         like_before = not same_goal and _shares_goal(before, task)
     new = situation_of(domain, problem, steps, read, source, limits)
-    renewed = AGAIN if before.progress.finished else REPLANNED
-    reason = renewed if same_goal else NEW_TASK
-    return replace(new, number=before.number + 1, reason=reason, like_before=like_before)
+    put_off = before.put_off
+    if same_goal and before.progress.finished:
+        reason = AGAIN
+    elif same_goal:
+        is_same = new.episode.actions == before.episode.actions and not new.seen.done
+        reason = RESTARTED if is_same else REPLANNED
+    elif new.episode.goal == put_off:
+        reason, put_off, like_before = RESUMED, None, False
+    else:
+        reason = NEW_TASK
+        put_off = before.episode.goal if before.is_under_way and not like_before else put_off
+    number = before.number + 1
+    return replace(new, number=number, reason=reason, like_before=like_before, put_off=put_off)
 
 
 def begun_again(situation: Situation) -> Situation:
@@ -144,7 +164,9 @@ def gone_back(situation: Situation, text: str, first: Callable[[], Situation]) -
         return situation
     if new.episode.actions != situation.episode.actions or told.undone(new.seen):
         return situation
-    return replace(new, number=situation.number + 1, reason=REPLANNED)
+    reason = REPLANNED if told.positions(StepStatus.DONE) else RESTARTED
+    number = situation.number + 1
+    return replace(new, number=number, reason=reason, put_off=situation.put_off)
 
 
 def _shares_goal(before: Situation, task: Task) -> bool:

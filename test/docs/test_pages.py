@@ -11,7 +11,7 @@ WAREHOUSE = ROOT / 'config' / 'warehouse'
 # What the page names beside keys: values, settings, parts of a call.
 WORDS = {
     'message', 'inputs', 'done', 'running', 'ahead', 'first', 'replanned', 'again', 'remember',
-    'threshold',
+    'threshold', 'skipped', 'restarted', 'resumed',
     'unforeseen', 'partial_goals', 'interest_in_facts', 'interest_in_way',
 }  # fmt: skip
 

@@ -2,7 +2,13 @@
 
 import pytest
 
-from mirror_explainer.listener.english import as_verb_phrase, infinitive, is_verb, other_tenses
+from mirror_explainer.listener.english import (
+    as_verb_phrase,
+    infinitive,
+    is_verb,
+    omission,
+    other_tenses,
+)
 
 # Verbs of robots, regular and not, with those that a word list may lack.
 VERBS = {
@@ -114,3 +120,17 @@ def test_verbs_and_their_ing_forms_are_known() -> None:
 )
 def test_a_tasks_name_is_said_as_what_the_robot_will_do(name: str, phrase: str) -> None:
     assert as_verb_phrase(name) == phrase
+
+
+@pytest.mark.parametrize(
+    ('future', 'left_out'),
+    [
+        ('I will grab the {i}.', 'I did not grab the {i}.'),
+        ("I'll now quickly wave.", 'I did not wave.'),
+        ('I will be at the dock.', 'I was not at the dock.'),
+        ('I will not move.', None),
+        ('Ich gehe.', None),
+    ],
+)
+def test_what_was_left_out_is_denied(future: str, left_out: str | None) -> None:
+    assert omission(future) == left_out

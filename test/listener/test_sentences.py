@@ -89,6 +89,7 @@ def test_a_step_has_the_same_observation_in_all_tenses() -> None:
         StepStatus.AHEAD: 'I will grab the cup.',
         StepStatus.RUNNING: 'I am grabbing the cup.',
         StepStatus.DONE: 'I have grabbed the cup.',
+        StepStatus.SKIPPED: 'I did not grab the cup.',
     }
     assert sentences.of('(grab cup)') == 'I will grab the cup.'
 
@@ -109,6 +110,7 @@ def test_tenses_that_are_given_are_said_and_the_others_made_or_marked() -> None:
 
     assert running == ['I am lying here.', 'Ich hole gerade das Buch.', 'Ich gehe.']
     assert done == ['I lay here.', 'Ich habe das Buch geholt.', 'Schon erledigt: Ich gehe.']
+    assert sentences.said('(c)', StepStatus.SKIPPED) == 'Left out: Ich gehe.'
 
 
 def test_wordings_by_type_are_for_the_objects_of_the_problem(task: Task) -> None:
@@ -130,7 +132,8 @@ def tasks_said(*names: str, user_model: UserModel | None = None) -> dict[str, li
         domain, f'(define (problem p) (:domain tasks) (:objects {objects} - task) (:goal (and)))'
     )
     sentences = sentences_for(task, user_model or UserModel(()))
-    return {n: [sentences.said(f'(do {n.lower()})', s) for s in StepStatus] for n in names}
+    tenses = (StepStatus.AHEAD, StepStatus.RUNNING, StepStatus.DONE)
+    return {n: [sentences.said(f'(do {n.lower()})', s) for s in tenses] for n in names}
 
 
 def test_where_a_task_has_the_verb_it_is_said_in_its_tenses_without_a_sentence_of_ones_own() -> (

@@ -8,7 +8,7 @@ from mirror_explainer.listener.speech import reached, spoken, stuck
 from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl.progress import StepStatus
 
-AHEAD, RUNNING, DONE = StepStatus.AHEAD, StepStatus.RUNNING, StepStatus.DONE
+AHEAD, RUNNING, DONE, SKIPPED = StepStatus
 PARAMETERS = {'shoot': ('t',), 'bring': ('i', 'r'), 'swap': ('i', 'j'), 'wait': (), 'next': ('i',)}
 WORDINGS = {
     'shoot': Wording('I will photograph the {t}.'),
@@ -123,8 +123,9 @@ def test_the_word_between_objects_can_be_set() -> None:
 
 
 def test_a_robot_at_its_goal_says_what_it_achieved() -> None:
-    assert reached(sentences(), ['(bring cup hall)']) == (
-        'I have brought the cup to the hall.\nI am done.'
+    steps = [('(bring cup hall)', DONE), ('(shoot mill)', SKIPPED)]
+    assert reached(sentences(), steps) == (
+        'I have brought the cup to the hall.\nI did not photograph the mill.\nI am done.'
     )
     assert reached(sentences(reached='That is all.'), []) == 'That is all.'
 
@@ -132,6 +133,9 @@ def test_a_robot_at_its_goal_says_what_it_achieved() -> None:
 def test_a_robot_that_is_stuck_says_with_what() -> None:
     assert stuck(sentences(), '(shoot mill)') == 'I am stuck: I cannot photograph the mill.'
     assert stuck(sentences(failed='Help! {step}'), '(next a)') == 'Help! a is next.'
+    cannot = 'I am stuck: I cannot photograph the mill.'
+    assert stuck(sentences(), '(shoot mill)', 'it is dark') == f'{cannot}\nIt is dark.'
+    assert stuck(sentences(), '(shoot mill)', 'Why so dark?') == f'{cannot}\nWhy so dark?'
 
 
 def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None:
@@ -144,6 +148,7 @@ def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None
         AHEAD: 'I will boil water, drive to the hall and wait.',
         RUNNING: 'I am boiling water, driving to the hall and waiting.',
         DONE: 'I have boiled water, driven to the hall and waited.',
+        SKIPPED: 'I did not boil water.\nI did not drive to the hall.\nI did not wait.',
     }
     # "Boil water, drive to the hall and others" would be no English.
     assert spoken(tasks, ahead(*names[:2]), ahead(names[2])) == (

@@ -1,5 +1,6 @@
 """What a tree of py_trees means to do, and what the robot says of it."""
 
+from collections.abc import Sequence as Listed
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ from task_robot import robot_of
 from test_live_explainer import operator
 
 from mirror_explainer.errors import InputError
-from mirror_explainer.node.behaviour_tree import tree_tasks
+from mirror_explainer.node.behaviour_tree import failure_reason, tree_tasks
 
 py_trees: Any = pytest.importorskip('py_trees', reason='needs py-trees')
 Status, Behaviour = py_trees.common.Status, py_trees.behaviour.Behaviour
@@ -47,7 +48,7 @@ def told(root: Any, ticks: int = 0) -> str:
     """Return the tasks that a tree tells after so many ticks, such as "+a >b c !d"."""
     for _ in range(ticks):
         root.tick_once()
-    signs = {'done': '+', 'running': '>', 'ahead': '', 'failed': '!'}
+    signs = {'done': '+', 'running': '>', 'ahead': '', 'failed': '!', 'skipped': '-'}
     return ' '.join(signs[standing] + name for name, standing in tree_tasks(root, Task))
 
 
@@ -117,18 +118,95 @@ def test_what_is_tried_again_goes_on_and_what_may_fail_is_left_out() -> None:
     root = Sequence('work', memory=True, children=[optional, again, Task('charge')])
 
     assert told(root) == 'wave dock charge'
-    assert told(root, 2) == '>dock charge'
-    assert told(root, 1) == '>dock charge'  # it failed once
-    assert told(root, 2) == '!dock charge'
+    assert told(root, 2) == '-wave >dock charge'
+    assert told(root, 1) == '-wave >dock charge'  # it failed once
+    assert told(root, 2) == '-wave !dock charge'
 
 
-def test_what_is_of_the_class_is_one_task_whatever_is_below_it() -> None:
-    class Chore(Sequence):  # type: ignore[misc]
-        pass
+def any_of(*children: Any) -> Any:
+    return py_trees.composites.Parallel(
+        'any', py_trees.common.ParallelPolicy.SuccessOnOne(), [*children]
+    )
 
-    root = Sequence('day', True, [Chore('tea', True, [Task('boil'), Task('serve')]), Task('rest')])
 
-    assert tree_tasks(root, (Chore, Task)) == [('tea', 'ahead'), ('rest', 'ahead')]
+class Slow(Task):
+    """Something that takes long."""
+
+    ticks = 9
+
+
+@pytest.mark.parametrize(
+    ('optional', 'after'),
+    [
+        (Selector('s', True, [Task('wave', Status.FAILURE), Condition('or not')]), '-wave'),
+        (Selector('s', True, [Task('wave', Status.FAILURE), Leaf('wait')]), '-wave'),
+        (py_trees.decorators.Inverter('i', Task('wave', Status.FAILURE)), '-wave'),
+        (
+            py_trees.decorators.FailureIsSuccess(
+                'o', Sequence('s', True, [Condition('seen?', Status.FAILURE), Task('wave')])
+            ),
+            '-wave',
+        ),
+        (any_of(Slow('wave'), Task('nod')), '-wave +nod'),
+    ],
+)
+def test_what_the_tree_does_without_is_skipped(optional: Any, after: str) -> None:
+    root = Sequence('work', memory=True, children=[optional, Task('dock')])
+
+    before = told(root)
+    assert before == after.replace('-', '').replace('+', '') + ' dock'
+    assert told(root, 3).startswith(after)
+
+
+def test_a_tree_at_a_branch_without_tasks_has_nothing_to_do() -> None:
+    job = Sequence('job', True, [Condition('order?', Status.FAILURE), Task('drive')])
+    assert told(Selector('root', False, [job, Leaf('idle')]), 1) == ''
+
+
+class Excused(Condition):
+    """A condition that says why it fails."""
+
+    def update(self) -> Any:
+        self.feedback_message = 'The blade is not sharp.'
+        return super().update()
+
+
+class Shaver(Task):
+    """A task that does so."""
+
+    def terminate(self, new_status: Any) -> None:
+        self.feedback_message = 'the ice is too thin' if new_status == Status.FAILURE else ''
+
+
+def because(*children: Any) -> tuple[str, str]:
+    """Return what a sequence tells when it has failed, and why it did."""
+    root = Sequence('work', True, [*children])
+    tasks = told(root, 1)
+    while root.status == Status.RUNNING:
+        tasks = told(root, 1)
+    return tasks, failure_reason(root, Task)
+
+
+def test_why_a_tree_failed_is_what_the_node_says_or_the_name_of_a_condition() -> None:
+    fails = Status.FAILURE
+
+    def after_driving(*children: Any) -> tuple[str, str]:
+        return because(Task('drive'), *children)
+
+    assert after_driving(Condition('blade is sharp', fails), Task('shave')) == (
+        '+drive !shave',
+        'This check failed: blade is sharp',
+    )
+    assert after_driving(Excused('sharp?', fails), Task('shave'))[1] == 'The blade is not sharp.'
+    assert after_driving(py_trees.behaviours.Failure('boards up'), Task('shave'))[1] == (
+        'This check failed: boards up'
+    )
+    assert after_driving(Shaver('shave', fails)) == ('+drive !shave', 'the ice is too thin')
+    assert after_driving(Task('shave', fails)) == ('+drive !shave', '')
+    assert after_driving() == ('+drive', '')
+    # Nothing had begun: only a condition that says so is a fault.
+    assert because(Condition('order?', fails), Task('shave'))[0] == ''
+    assert because(Excused('sharp?', fails), Task('shave'))[0] == '!shave'
 
 
 APIARY = """
@@ -178,3 +256,82 @@ def test_a_robot_with_a_fallback_tells_the_truth_in_each_round(
     assert 'I am calling the beekeeper.' in robot.published[-1][0]
     with pytest.raises(InputError, match='"Feed bees" is none of the tasks .*"Feed the bees"'):
         robot.tasks.tell_tree(root, Task, ['Feed bees'])
+
+
+RINK = """
+goals:
+  - name: prepare the ice
+    goal: (and (done drive_onto_the_ice) (done greet_the_skaters) (done shave_the_ice)
+               (done flood_the_ice))
+    probability: 3
+  - {name: sweep, goal: (and (done drive_to_the_stands) (done sweep_the_stands)), probability: 3}
+  - {name: charge, goal: (and (done drive_to_the_dock) (done charge_my_battery)), probability: 1}
+"""
+BEGUN = ['drives onto the ice', 'greets the skaters']
+ROUND = [*BEGUN, 'shaves the ice', 'floods the ice', 'is through']
+# What happens, tick by tick; before "|" what is done to the tree before that.
+STORIES = {
+    'A round': [*ROUND, 'begins the next one'],
+    'A condition that fails': ['dull|drives onto the ice', BEGUN[1], 'fails', 'begins anew'],
+    'A step that may fail': ['shy|drives onto the ice', *ROUND[1:]],
+    'Given up': [*BEGUN, 'stop|is stopped', 'drives onto the ice'],
+    'Begun anew': [*ROUND[:3], 'reset|is reset and drives onto the ice', *BEGUN[1:]],
+    'Something more urgent': [
+        *ROUND[:3],
+        'low|drives to the dock',
+        'charges its battery',
+        'is through with that',
+        'charged|drives onto the ice',
+        *ROUND[1:],
+    ],
+}
+
+
+class Rink:
+    """The tree of a robot that prepares the ice of a rink, and drives to its dock if need be."""
+
+    def __init__(self) -> None:
+        self.low = Condition('battery is low', Status.FAILURE)
+        self.sharp = Excused('blade is sharp')
+        self.greet = Task('greet the skaters')
+        optional = py_trees.decorators.FailureIsSuccess('optional', self.greet)
+        dock = [self.low, Task('drive to the dock'), Task('charge my battery')]
+        ice = [Task('drive onto the ice'), optional, self.sharp]
+        ice += [Task('shave the ice'), Task('flood the ice')]
+        self.root = Selector(
+            'rink', False, [Sequence('dock', True, dock), Sequence('ice', True, ice)]
+        )
+
+    def change(self, change: str) -> None:
+        """Let something happen; tick the tree unless that is its end."""
+        ends = {'low': self.low, 'charged': self.low, 'dull': self.sharp, 'shy': self.greet}
+        if change in ends:
+            ends[change].end = Status.SUCCESS if change == 'low' else Status.FAILURE
+        if change in ('stop', 'reset'):
+            self.root.stop(Status.INVALID)
+        if change != 'stop':
+            self.root.tick_once()
+
+
+def story(robot: Any, moments: Listed[str]) -> str:
+    """Return, as a table, what a robot answers at each moment."""
+    rink, lines = Rink(), ['| the robot | answers |', '|---|---|']
+    for moment in moments:
+        change, _, happens = moment.rpartition('|')
+        rink.change(change)
+        robot.tasks.tell_tree(rink.root, Task)
+        lines.append(f'| {happens} | {" ".join(robot.explainer.ask().message.splitlines())} |')
+    return '\n'.join(lines)
+
+
+@pytest.mark.parametrize('title', STORIES)
+def test_a_robot_tells_what_goes_wrong_as_the_page_says(
+    operator: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, title: str
+) -> None:
+    monkeypatch.setattr('mirror_explainer.node.updates.SETTLING_SECONDS', 0.0)
+    page = (Path(__file__).parents[2] / 'docs' / 'behaviour_trees.md').read_text()
+    model = tmp_path / 'rink.yaml'
+    model.write_text(RINK)
+
+    told = story(robot_of(operator, str(model)), STORIES[title])
+    assert f'**{title}**\n\n{told}\n' in page, f'docs/behaviour_trees.md lacks:\n{told}'

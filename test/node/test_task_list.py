@@ -76,11 +76,18 @@ def test_a_task_without_a_name_and_a_standing_that_there_is_not_are_refused():
 
 
 def test_a_text_names_a_task_a_line():
-    assert parsed_tasks('done: Boil water\n\n Running : Bring the tea\nroom 3: clean\n') == [
-        ('Boil water', 'done'),
-        ('Bring the tea', 'running'),
-        ('room 3: clean', 'ahead'),
-    ]
+    text = 'done: Boil water\n\n Running : Bring the tea\nroom 3: clean\n'
+    stuck = text + 'failed: Knock because it is late; 9 pm'
+    tasks = [('Boil water', 'done'), ('Bring the tea', 'running'), ('room 3: clean', 'ahead')]
+    assert parsed_tasks(text) == (tasks, '')
+    assert parsed_tasks(stuck) == ([*tasks, ('Knock', 'failed')], 'it is late; 9 pm')
+
+
+def test_only_what_failed_has_the_reason_on_one_line_without_a_comment():
+    tasks = [('Boil water', 'done'), ('Bring the tea', 'failed')]
+    texts = task_texts(tasks, reason='It is late;\n9 pm.')
+    failed = 'failed: (do bring_the_tea) because It is late, 9 pm.'
+    assert texts.progress == f'done: (do boil_water)\n{failed}'
 
 
 def test_a_user_model_names_tasks(warehouse):
@@ -123,9 +130,15 @@ def test_a_robot_without_a_task_has_nothing_to_do(robot):
     robot.tasks.tell([(TEA[0], 'done'), *((task, 'ahead') for task in TEA[1:])])
     told = robot.answer()
     robot.tasks.tell([])
+    stopped = robot.refusal()
+    robot.tasks.tell([(task, 'done') for task in TEA])
+    done = robot.answer()
+    robot.tasks.tell([])
 
-    assert (at_first, robot.refusal()) == ('I have nothing to do right now.',) * 2
+    assert at_first == robot.refusal() == 'I have nothing to do right now.'
     assert told.startswith('I will ')
+    assert stopped == 'I have stopped. I have nothing to do right now.'
+    assert done.endswith('I am done.')
 
 
 def test_tasks_are_told_in_their_tenses(robot):
@@ -151,12 +164,13 @@ def test_tasks_in_the_place_of_some_are_another_plan_and_other_tasks_a_new_one(r
 
 
 def test_a_robot_that_goes_back_in_its_list_begins_it_again(robot):
-    robot.tasks.tell([(TEA[0], 'done'), (TEA[1], 'failed'), (TEA[2], 'ahead')])
+    failed = [(TEA[0], 'done'), (TEA[1], 'failed'), (TEA[2], 'ahead')]
+    robot.tasks.tell(failed, reason='the tap is shut')
     stuck = robot.answer()
     robot.tasks.tell([(TEA[0], 'running'), (TEA[1], 'ahead'), (TEA[2], 'ahead')])
 
-    assert stuck.split('\n')[0] == 'I am stuck: I cannot boil water.'
-    assert robot.answer().split('\n')[0] == 'I have changed my plan.'
+    assert stuck.split('\n')[:2] == ['I am stuck: I cannot boil water.', 'The tap is shut.']
+    assert robot.answer().split('\n')[0] == 'I have started again.'
     assert json.loads(robot.published[-1][1])['plan'][0]['status'] == 'running'
 
 

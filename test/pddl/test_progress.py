@@ -25,6 +25,27 @@ def test_a_step_that_failed_is_still_ahead() -> None:
     assert read_progress(text, PLAN) == Progress((DONE, AHEAD, AHEAD, AHEAD, AHEAD), failed=(1,))
 
 
+def test_of_the_reasons_that_of_the_first_step_that_failed_is_kept() -> None:
+    text = (
+        'failed: (drop cup) because it sticks\nfailed: (take cup)  BECAUSE the cup (2) is\thot ; x'
+    )
+
+    progress = read_progress(text, ['(take cup)', '(drop cup)'])
+
+    assert (progress.failed, progress.reason) == ((0, 1), 'the cup (2) is hot')
+    assert read_progress('failed: (take cup)', PLAN).reason == ''
+    with pytest.raises(InputError, match='this is no progress'):
+        read_progress('done: (take cup) because it was there', PLAN)
+
+
+def test_what_is_left_out_is_not_waited_for() -> None:
+    progress = read_progress('skipped: (take cup)\ndone: (drop cup)', ['(take cup)', '(drop cup)'])
+
+    assert progress == Progress((StepStatus.SKIPPED, DONE))
+    assert progress.finished
+    assert not read_progress('skipped: (take cup)', PLAN).finished
+
+
 @pytest.mark.parametrize(
     'text',
     ['done: (go dock lab)\nrunning: (go dock lab)', 'running: (go dock lab)\ndone: (go dock lab)'],

@@ -285,6 +285,17 @@ def test_a_step_that_is_ticked_off_is_told_in_the_past(heard: Heard) -> None:
     assert after.marks[0].others == ('I will go.', 'I am going.')
 
 
+def test_a_step_that_was_left_out_is_not_ticked_off_for_the_next_one(heard: Heard) -> None:
+    row = EXPLANATION['plan'][0]  # type: ignore[index]
+    plan = [{**row, 'status': 'skipped'}, {**row, 'status': 'ahead'}]
+
+    later = replace(heard, status=replace(READY, episode=1, done=1))
+    shown = timeline(later.with_answer(answer(plan=plan, episode={'number': 1}), ''))
+
+    assert shown is not None
+    assert [mark.status for mark in shown.marks] == ['skipped', 'done']
+
+
 def test_goals_that_lack_a_part_of_each_candidate_are_a_row_without_a_name(heard: Heard) -> None:
     goals = [*EXPLANATION['goals'], {'name': None, 'prior': 0.3, 'posterior': 0.5}]  # type: ignore[misc]
     tables = explained(heard.with_answer(answer(goals=goals), ''))

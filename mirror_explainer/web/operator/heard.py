@@ -35,7 +35,8 @@ class Fact:
 class Step:
     """An action of the plan; `information_gain` is what it would tell alone, in nats.
 
-    `status` says whether it is `done`, `running` or `ahead`; `tenses` is its sentence in each.
+    `status` says whether it is `done`, `skipped`, `running` or `ahead`; `tenses` is its sentence
+    in each.
     """
 
     position: int

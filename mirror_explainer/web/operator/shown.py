@@ -4,6 +4,7 @@ It never passes off an old answer as new, and says one thing about how things st
 that matters most now (`status`).
 """
 
+import itertools
 from dataclasses import dataclass
 
 from mirror_explainer.web.operator.heard import Answer, Fact, Goal, Heard, Step
@@ -199,17 +200,18 @@ def timeline(heard: Heard) -> Timeline | None:
         return None
     told = heard.status if heard.is_current else None
     done, running = (told.done, told.running) if told and told.episode else (0, 0)
-    marks = []
+    marks, places = [], itertools.count()
     for i, step in enumerate(answer.plan):
         status = step.status
-        if i < done:
+        place = next(places) if status != 'skipped' else done + running
+        if place < done:
             status = 'done'
-        elif i < done + running:
+        elif place < done + running:
             status = 'running'
         sentence = step.tenses.get(status, step.sentence)
         others = tuple(dict.fromkeys(s for s in step.tenses.values() if s != sentence))
         marks.append(Mark(i + 1, sentence, step.position in answer.positions, status, others))
-    at_end = all(mark.status == 'done' for mark in marks)
+    at_end = all(mark.status in ('done', 'skipped') for mark in marks)
     return Timeline(tuple(marks), heard.restarts and at_end, _may_be_old(heard))
 
 
