@@ -64,12 +64,10 @@ def peer(ros: None) -> Iterator[object]:
 
 # The files that take longest, for half a minute and more, or wait for most of their time.
 LONGEST = (
-    'test_plansys2_bridge.py',  # builds PlanSys2's messages, which the other such file then has
     'test_study_browser.py',
     'test_explainer_node.py',
     'test_operator_page.py',
     'test_faults_robot.py',
-    'test_plansys2_explained.py',
     'test_study_load.py',
     'test_explainer_node_seen.py',
     'test_study_people.py',
@@ -81,6 +79,8 @@ LONGEST = (
     'test_experiments_pucrs.py',
     'test_experiments_user_study.py',
     'test_updates.py',
+    'test_plansys2_bridge.py',
+    'test_plansys2_explained.py',
 )
 
 

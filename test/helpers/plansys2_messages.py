@@ -1,9 +1,11 @@
 """PlanSys2's messages for the tests, built once from `plansys2_interfaces/` where there are none.
 
 Building takes a minute, in a folder beside the environment's other files, and needs a compiler
-and the wheels of ROS's generators, which get an environment of their own.
+and the wheels of ROS's generators, which get an environment of their own. As a program, this
+builds them ahead of the tests.
 """
 
+import contextlib
 import fcntl
 import hashlib
 import importlib.util
@@ -17,10 +19,13 @@ from pathlib import Path
 import pytest
 
 SOURCES = Path(__file__).parent / 'plansys2_interfaces'
+# Of what the wheels need, those that say so, and those that do not.
 GENERATORS = [
-    'ros-jazzy-rclpy[fastrtps]',
-    'ros-jazzy-common-interfaces',
-    'colcon-common-extensions',
+    'catkin_pkg',
+    'empy<4',
+    'lark',
+    'numpy',
+    'setuptools<80',
     *(
         f'ros-jazzy-{name}'
         for name in (
@@ -34,12 +39,18 @@ GENERATORS = [
             'ament-cmake-pytest',
             'ament-cmake-ros',
             'ament-package',
+            'fastcdr',
+            'fastrtps',
+            'fastrtps-cmake-module',
             'python-cmake-module',
             'rosidl-core-generators',
             'rosidl-default-generators',
+            'std-msgs',
         )
     ),
 ]
+# What Python needs of the package: the two libraries of functions in C that it loads by name.
+TARGETS = [f'plansys2_msgs_s__rosidl_typesupport_{name}' for name in ('c', 'fastrtps_c')]
 # In the wheels' CMake files: where Python and numpy were on the machine that built them.
 BUILT_WITH = '/opt/python/cp{0}{1}-cp{0}{1}'.format(*sys.version_info)
 
@@ -53,13 +64,8 @@ def environment() -> dict[str, str]:
     for program in ('cmake', 'make', 'c++'):
         if shutil.which(program) is None:
             pytest.skip(f"needs {program}, to build PlanSys2's messages")
-    package = _built() / 'install' / 'plansys2_msgs'
-    python = next(package.glob('lib/python*/site-packages'))
-    added = {
-        'PYTHONPATH': python,
-        'LD_LIBRARY_PATH': package / 'lib',
-        'AMENT_PREFIX_PATH': package,
-    }
+    build = _built() / 'build'
+    added = {'PYTHONPATH': build / 'rosidl_generator_py', 'LD_LIBRARY_PATH': build}
     return {
         name: os.pathsep.join(filter(None, (str(path), os.environ.get(name))))
         for name, path in added.items()
@@ -83,14 +89,12 @@ def _built() -> Path:
 
 def _build(workspace: Path) -> None:
     """Install the generators in an environment of their own, and build with them."""
-    for left in ('build', 'install', 'src'):  # by a build that failed
-        shutil.rmtree(workspace / left, ignore_errors=True)
-    prefix = workspace / 'generators'
+    build, prefix = workspace / 'build', workspace / 'generators'
+    shutil.rmtree(build, ignore_errors=True)  # by a build that failed
     python = prefix / 'bin' / 'python'
-    _run([sys._base_executable, '-m', 'venv', '--clear', prefix])
-    _run([python, '-m', 'pip', 'install', '-qq', '-U', 'pip', 'setuptools<80', 'wheel'])
+    _run([sys._base_executable, '-m', 'venv', '--clear', '--without-pip', prefix])
     try:
-        _run([python, '-m', 'pip', 'install', '-qq', *GENERATORS])
+        _run([sys.executable, '-m', 'pip', '--python', python, 'install', '-qq', *GENERATORS])
     except AssertionError as error:
         pytest.skip(f'needs the wheels of the generators of messages: {error}')
     version = 'python{}.{}'.format(*sys.version_info)
@@ -104,17 +108,15 @@ def _build(workspace: Path) -> None:
             for there, here in moved.items():
                 text = text.replace(there, here)
             file.write_text(text)
-    shutil.copytree(SOURCES, workspace / 'src')
-    (workspace / 'src' / 'COLCON_IGNORE').unlink()
-    (prefix / 'COLCON_IGNORE').touch()
     inside = {
         'VIRTUAL_ENV': str(prefix),
         'AMENT_PREFIX_PATH': str(prefix),
         'CMAKE_PREFIX_PATH': str(prefix),
         'PATH': f'{prefix / "bin"}:{os.environ["PATH"]}',
     }
-    build = [python, '-m', 'colcon', 'build', '--cmake-args', '-DBUILD_TESTING=OFF']
-    _run(build, cwd=workspace, env=_plain_environment() | inside)
+    inside = _plain_environment() | inside
+    _run(['cmake', '-S', SOURCES, '-B', build, '-DBUILD_TESTING=OFF'], env=inside)
+    _run(['cmake', '--build', build, '--parallel', '2', '--target', *TARGETS], env=inside)
 
 
 def _plain_environment() -> dict[str, str]:
@@ -132,3 +134,8 @@ def _run(command: list[object], **how: object) -> None:
     how = {'env': _plain_environment()} | how
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, **how)
     assert done.returncode == 0, (done.stdout + done.stderr)[-2000:]
+
+
+if __name__ == '__main__':
+    with contextlib.suppress(pytest.skip.Exception):  # the tests will say why
+        environment()

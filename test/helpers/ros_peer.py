@@ -13,6 +13,7 @@ from pathlib import Path
 import rclpy
 from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from forked import Forked
 from patience import PATIENCE, eventually
 from rcl_interfaces.srv import ListParameters
 from rclpy.duration import Duration
@@ -182,7 +183,11 @@ class Call:
 
 
 class Process:
-    """An executable of the package, as `ros2 run` would start it."""
+    """An executable of the package, as `ros2 run` would start it.
+
+    With an environment of its own, or within another program, by its script; else, for it is
+    quicker, as a fork of a process that has imported what it needs.
+    """
 
     def __init__(
         self,
@@ -194,19 +199,15 @@ class Process:
         environment: Mapping[str, str] | None = None,
         within: Sequence[str] = (),
     ) -> None:
-        prefix = Path(get_package_prefix('mirror_explainer'))
+        words = [*options, '--ros-args', '-r', f'__ns:={namespace}', *arguments]
         self._log = log
+        if environment is None and not within:
+            self.popen: Forked | subprocess.Popen = Forked(executable, words, log)
+            return
+        prefix = Path(get_package_prefix('mirror_explainer'))
         with log.open('wb') as output:
             self.popen = subprocess.Popen(
-                [
-                    *within,
-                    prefix / 'lib' / 'mirror_explainer' / executable,
-                    *options,
-                    '--ros-args',
-                    '-r',
-                    f'__ns:={namespace}',
-                    *arguments,
-                ],
+                [*within, prefix / 'lib' / 'mirror_explainer' / executable, *words],
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 env=os.environ | (environment or {}),
@@ -296,7 +297,7 @@ def started(
     """Run an executable of the package with these parameters, and end it afterwards.
 
     `options` are its own ones, not those of ROS; `environment` has what is added to
-    the variables, `within` is a command that runs it.
+    the variables, `within` is a command that runs it. Without both it is a fork (see `Process`).
     """
     given = {name: value for name, value in parameters.items() if value != ''}
     arguments = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
