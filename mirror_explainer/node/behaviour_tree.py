@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 # What a task is called whose status has this name.
 _STANDINGS = {'INVALID': 'ahead', 'RUNNING': 'running', 'SUCCESS': 'done', 'FAILURE': 'failed'}
+_OVER = {'done', 'skipped'}
 
 Kinds = type | tuple[type, ...]
 
@@ -25,26 +26,34 @@ class TreeNode(Protocol):
         """Those below it; one for a decorator, none for a leaf."""
 
 
-def tree_tasks(root: TreeNode, leaves: Kinds) -> list[tuple[str, str]]:
+def tree_tasks(
+    root: TreeNode, leaves: Kinds, before: Sequence[tuple[str, str]] = ()
+) -> list[tuple[str, str]]:
     """Return the tasks that a tree means to do, in order, each with its standing.
 
     Tasks are what is an instance of `leaves`, whatever is below it. Of a selector it means
-    the child that it is at, or ended with, and before it begins the first. A failure is one
-    only if all above it failed, too: what is tried again goes on, and below what succeeded all
-    the same it is skipped, as is what has not begun there. Where the tree failed for another
-    reason, such as a condition, the next task failed; it has nothing to do where none had
-    begun, unless that condition says why.
+    the child that it is at, or ended with; before it begins, the first that has tasks, which
+    are skipped where it is at a child without any. A failure is one only if all above it
+    failed, too: what is tried again goes on, and below what succeeded all the same it is
+    skipped, as is what has not begun there. Where the tree failed for another reason, such as
+    a condition, the next task failed; it has nothing to do where none had begun, unless that
+    condition says why: then it is as far as it was `before`, if it was at these tasks then.
     """
-    tasks = list(_meant(root, leaves))
+    tasks = _meant(root, leaves)
     standings = [standing for _, standing in tasks]
     if {*standings} <= {'skipped'}:
         return []
-    if _standing(root) != 'failed' or 'failed' in standings or 'ahead' not in standings:
+    if _standing(root) != 'failed' or 'failed' in standings or not {*standings} - _OVER:
         return tasks
-    if {*standings} == {'ahead'} and not _own_words(_failed(root)[-1]):
-        return []
-    following = standings.index('ahead')
-    return [*tasks[:following], (tasks[following][0], 'failed'), *tasks[following + 1 :]]
+    if {*standings} == {'ahead'}:
+        if not _own_words(_failed(root)[-1]):
+            return []
+        known = [standing for _, standing in before]
+        if [name for name, _ in before] == [name for name, _ in tasks] and {*known} - _OVER:
+            standings = known
+    following = next(i for i, standing in enumerate(standings) if standing not in _OVER)
+    standings[following] = 'failed'
+    return [(name, standing) for (name, _), standing in zip(tasks, standings, strict=True)]
 
 
 def failure_reason(root: TreeNode, leaves: Kinds) -> str:
@@ -84,28 +93,29 @@ def _meant(
         failure = 'running'
     elif standing == 'done':
         failure = rest = 'skipped'
-    tasks = [task for child in _branches(node) for task in _meant(child, leaves, failure, rest)]
-    if tasks or not _is_selector(node):
-        return tasks
-    # It is at a branch without tasks, and so does without those of the first.
-    if standing == 'running':
-        failure = rest = 'skipped'
-    return _meant(node.children[0], leaves, failure, rest)
+    children = _children(node)
+    if not _is_selector(node):
+        return [task for child in children for task in _meant(child, leaves, failure, rest)]
+    if not [name for child in children for name in all_tasks(child, leaves)]:
+        # It is at a branch without tasks, and so does without those of another.
+        children = node.children
+        if standing == 'running':
+            failure = rest = 'skipped'
+    branches = (_meant(child, leaves, failure, rest) for child in children)
+    return next(filter(None, branches), [])
 
 
-def _branches(node: TreeNode) -> Sequence[TreeNode]:
-    """Return the children that the tree means to run."""
-    if _is_selector(node):
-        current = getattr(node, 'current_child', None)
-        return node.children[:1] if current is None else [current]
-    return node.children
+def _children(node: TreeNode) -> Sequence[TreeNode]:
+    """Return the children that the tree has chosen: of a selector that has begun one."""
+    chosen = getattr(node, 'current_child', None) if _is_selector(node) else None
+    return node.children if chosen is None else [chosen]
 
 
 def _failed(root: TreeNode) -> list[TreeNode]:
     """Return the nodes that failed since those below them did, from the root on."""
     if _standing(root) != 'failed':
         return []
-    below = (_failed(child) for child in _branches(root))
+    below = (_failed(child) for child in _children(root))
     return [root, *next(filter(None, below), [])]
 
 

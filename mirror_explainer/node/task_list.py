@@ -51,6 +51,7 @@ class TaskList:
         self._goal = ''
         self._told: dict[str, str] = {}
         self._tree: TreeNode | None = None  # that has been ticked
+        self._tree_tasks: list[tuple[str, str]] = []  # as they were told last
         self._outputs = {topic: node.create_publisher(String, topic, LATCHED) for topic in TOPICS}
         share = Path(get_package_share_directory('mirror_explainer'))
         self._publish('domain', (share / 'config' / 'tasks' / 'domain.pddl').read_text())
@@ -81,8 +82,11 @@ class TaskList:
         if not_there := {*ends}.difference(every := [*all_tasks(root, leaves)]):
             raise _no_task(min(not_there), every)
         is_reset = root.status.name == 'INVALID'
-        tasks = [] if is_reset and root is self._tree else tree_tasks(root, leaves)
-        self._tree = self._tree if is_reset else root
+        if is_reset and root is self._tree:
+            tasks = []
+        else:
+            tasks = tree_tasks(root, leaves, self._tree_tasks)
+        self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
         named = {task for task, _ in tasks}
         self.tell(tasks, [end for end in ends if end in named], failure_reason(root, leaves))
 

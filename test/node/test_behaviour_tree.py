@@ -140,6 +140,7 @@ class Slow(Task):
     [
         (Selector('s', True, [Task('wave', Status.FAILURE), Condition('or not')]), '-wave'),
         (Selector('s', True, [Task('wave', Status.FAILURE), Leaf('wait')]), '-wave'),
+        (Selector('s', True, [Condition('waved?'), Task('wave')]), '-wave'),
         (py_trees.decorators.Inverter('i', Task('wave', Status.FAILURE)), '-wave'),
         (
             py_trees.decorators.FailureIsSuccess(
@@ -207,6 +208,25 @@ def test_why_a_tree_failed_is_what_the_node_says_or_the_name_of_a_condition() ->
     # Nothing had begun: only a condition that says so is a fault.
     assert because(Condition('order?', fails), Task('shave'))[0] == ''
     assert because(Excused('sharp?', fails), Task('shave'))[0] == '!shave'
+
+
+def test_a_guard_that_says_why_stops_the_task_that_the_tree_was_at() -> None:
+    guard = Excused('sharp?')
+    work = Sequence('work', True, [Task('drive'), Task('shave'), Task('flood')])
+    root = Sequence('guarded', False, [guard, work])
+
+    told(root, 2)
+    before = tree_tasks(root, Task)
+    guard.end = Status.FAILURE
+    root.tick_once()
+    stuck = tree_tasks(root, Task, before)
+
+    assert before == [('drive', 'done'), ('shave', 'running'), ('flood', 'ahead')]
+    assert stuck == [('drive', 'done'), ('shave', 'failed'), ('flood', 'ahead')]
+    assert tree_tasks(root, Task, stuck) == stuck
+    # In the next round it is at the first.
+    first = [('drive', 'failed'), ('shave', 'ahead'), ('flood', 'ahead')]
+    assert tree_tasks(root, Task, [(name, 'done') for name, _ in before]) == first
 
 
 APIARY = """
