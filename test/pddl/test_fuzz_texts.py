@@ -1,6 +1,6 @@
 """Whatever the texts are: they are read, or refused with a place, and never in between.
 
-MIRROR_EXPLAINER_FUZZ sets how many texts of each kind are tried (500 without; of PDDL, which is
+MIRROR_EXPLAINER_FUZZ sets how many texts of each kind are tried (200 without; of PDDL, which is
 slow to read, a fifth). With `pytest -s`, it is told how many were taken, and what took longest.
 """
 
@@ -31,7 +31,7 @@ from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan
 
-CASES = int(os.environ.get('MIRROR_EXPLAINER_FUZZ', '500'))
+CASES = int(os.environ.get('MIRROR_EXPLAINER_FUZZ', '200'))
 
 fuzz = settings(
     max_examples=CASES,

@@ -407,8 +407,8 @@ def test_an_atom_is_understood_and_a_condition_is_no_atom(lamps: Task) -> None:
         fluent_expression(lamps.model, '(not (power))')
 
 
-def test_five_megabytes_of_noise_are_refused_at_once() -> None:
-    for noise in ('x' * 5_000_000, '(' * 5_000_000, ' ' * 5_000_000, ';\n' * 2_500_000, '\0' * 99):
+def test_a_megabyte_of_noise_is_refused_at_once() -> None:
+    for noise in ('x' * 1_000_000, '(' * 1_000_000, ' ' * 1_000_000, ';\n' * 500_000, '\0' * 99):
         with pytest.raises(InputError):
             read_task(noise, PROBLEM)
         with pytest.raises(InputError):
