@@ -1,7 +1,7 @@
 """The package's errors: few, named, and worded for the person who must act on them."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 # Room for every fault of a long user model, and for no text that was taken for a name.
 LONGEST_WORD = 200
@@ -76,6 +76,12 @@ def meant_or_known(name: str, names: Iterable[str]) -> str:
     """Return as `did_you_mean`, and where none of the names is close, all that there are."""
     known = list(names)
     return did_you_mean(name, known) or f' (there are {", ".join(known)})'
+
+
+def some_of(texts: Sequence[str], most: int = 10) -> str:
+    """Return texts as one, "a; b", of many the first: "a; b; and 3 more"."""
+    more = [f'and {len(texts) - most} more'] if len(texts) > most else []
+    return '; '.join([*texts[:most], *more])
 
 
 def told(error: Exception) -> str:

@@ -20,7 +20,7 @@ from mirror_explainer.commands.drafting.words import drafted_words
 from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
 from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
-from mirror_explainer.errors import InputError, PlanningError
+from mirror_explainer.errors import InputError, PlanningError, some_of
 from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.goals_seen import read_goals_seen
 from mirror_explainer.listener.preparation import RobotPlan, plan_for_robot, prepare, refine
@@ -30,7 +30,6 @@ from mirror_explainer.planning import Planner
 from mirror_explainer.settings import PlanningSettings, Question
 from mirror_explainer.text_files import read_text, write_text
 
-_MOST_TOLD = 10  # of the goals that are left out
 _HEAD = """# A first user model, drafted by draft_user_model from the robot's own texts.
 # Check each part against what your listeners know, and what your robot does.
 """
@@ -99,10 +98,8 @@ def _goals_seen(world: World, paths: Sequence[str]) -> Counter[str]:
             except InputError as error:
                 left_out.append(f'{goal}: {error.reason}')
         if left_out:
-            told = '; '.join(left_out[:_MOST_TOLD])
-            unsaid = len(left_out) - _MOST_TOLD
-            more = f'; and {unsaid} more' if unsaid > 0 else ''
-            warning = f'{path}: left out as no goals of this problem: {told}{more}'
+            told = some_of(left_out)
+            warning = f'{path}: left out as no goals of this problem: {told}'
             tell_warning('draft_user_model', warning)
     return seen
 

@@ -14,7 +14,7 @@ from datetime import datetime
 
 import yaml
 
-from mirror_explainer.errors import InputError
+from mirror_explainer.errors import InputError, some_of
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.goals import parts_of
 from mirror_explainer.listener.user_model import UserModel
@@ -51,8 +51,12 @@ def read_goals_seen(path: str, limits: InputLimits | None = None) -> GoalsSeen:
     wanted = f'this has no "{_KEY}" with goals and whole numbers'
     _, data = parse_yaml(text, path, wanted)
     counts = data.get(_KEY) if data.keys() <= {_KEY, _TAKEN_UP} else None
-    if not isinstance(counts, dict) or not all(map(_is_count, counts.items())):
+    if not isinstance(counts, dict) or not all(isinstance(goal, str) for goal in counts):
         raise InputError(path, wanted, cure=_CURE)
+    wrong = [goal for goal, count in counts.items() if not _is_count(count)]
+    if wrong:
+        reason = f'this has no whole number of times for {some_of(wrong)}'
+        raise InputError(path, reason, cure=_CURE)
     moments = data.get(_TAKEN_UP)
     return GoalsSeen(counts, _moments(moments) if isinstance(moments, dict) else {})
 
@@ -114,8 +118,7 @@ def _meaning(goal: str, task: Task) -> object:
     return frozenset(parts_of(goal_expression(task.model, goal), task.model))
 
 
-def _is_count(item: tuple[object, object]) -> bool:
-    goal, count = item
-    if not isinstance(count, int) or isinstance(count, bool):
+def _is_count(value: object) -> bool:
+    if not isinstance(value, int) or isinstance(value, bool):
         return False
-    return isinstance(goal, str) and 0 <= count <= _MOST_TIMES
+    return 0 <= value <= _MOST_TIMES

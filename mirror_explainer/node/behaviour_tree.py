@@ -48,8 +48,8 @@ def tree_tasks(
     if {*standings} == {'ahead'}:
         if not _own_words(_failed(root)[-1]):
             return []
-        known = [standing for _, standing in before]
-        if [name for name, _ in before] == [name for name, _ in tasks] and {*known} - _OVER:
+        known = [standing if standing in _OVER else 'ahead' for _, standing in before]
+        if [name for name, _ in before] == [name for name, _ in tasks] and 'ahead' in known:
             standings = known
     following = next(i for i, standing in enumerate(standings) if standing not in _OVER)
     standings[following] = 'failed'

@@ -96,6 +96,13 @@ def test_a_broken_file_is_told_whatever_is_wrong(tmp_path: Path, text: str):
         read_goals_seen(str(file))
 
 
+def test_all_goals_without_a_count_are_named(tmp_path: Path):
+    file = tmp_path / 'seen.yaml'
+    file.write_text('goals_seen: {(g0): many, (g1): 2, (g2): -1}')
+    with pytest.raises(InputError, match=r'no whole number of times for \(g0\); \(g2\)$'):
+        read_goals_seen(str(file))
+
+
 def test_what_is_written_can_be_read_and_the_rarest_are_dropped(tmp_path: Path):
     file = tmp_path / 'seen.yaml'
     counts = {f'(g {number})': number for number in range(MOST_GOALS + 5)}

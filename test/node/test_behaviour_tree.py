@@ -224,6 +224,8 @@ def test_a_guard_that_says_why_stops_the_task_that_the_tree_was_at() -> None:
     assert before == [('drive', 'done'), ('shave', 'running'), ('flood', 'ahead')]
     assert stuck == [('drive', 'done'), ('shave', 'failed'), ('flood', 'ahead')]
     assert tree_tasks(root, Task, stuck) == stuck
+    both = [('drive', 'running'), ('shave', 'done'), ('flood', 'running')]
+    assert tree_tasks(root, Task, both)[-1] == ('flood', 'ahead')
     # In the next round it is at the first.
     first = [('drive', 'failed'), ('shave', 'ahead'), ('flood', 'ahead')]
     assert tree_tasks(root, Task, [(name, 'done') for name, _ in before]) == first
