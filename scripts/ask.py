@@ -23,8 +23,8 @@ def options() -> argparse.Namespace:
     """Return what the command line asks for."""
     parser = argparse.ArgumentParser(
         description='Ask the robot "What are you up to?", and show the answer beside its plan.',
-        epilog='Exit status: 0 with an answer, 1 without, 130 on Ctrl-C. What is for ROS follows '
-        '--ros-args, such as -r __ns:=/robot1 for a robot with a namespace.',
+        epilog='Exit status: 0 with an answer, 1 without (no plan, or a fault), 130 on Ctrl-C. '
+        'What is for ROS follows --ros-args, such as -r __ns:=/robot1.',
     )
     parser.add_argument(
         '--once',
@@ -88,12 +88,12 @@ def is_there(client, timeout: float) -> bool:
 
 
 def ask_once(client, timeout: float) -> int:
-    """Print what the robot says, on stderr why it has no answer."""
+    """Print what the robot says, also where it has no plan; return the exit status."""
     answer = next(answers(client, timeout), None)
     if answer is None:
         tell(f'there was no answer for {timeout:g} s')
         return 1
-    print(answer.message, file=sys.stdout if answer.success else sys.stderr)
+    print(answer.message)
     return 0 if answer.success else 1
 
 

@@ -324,24 +324,27 @@ class Rink:
             'rink', False, [Sequence('dock', True, dock), Sequence('ice', True, ice)]
         )
 
-    def change(self, change: str) -> None:
-        """Let something happen; tick the tree unless that is its end."""
+    def change(self, change: str) -> bool:
+        """Let something happen; return whether the tree goes on."""
         ends = {'low': self.low, 'charged': self.low, 'dull': self.sharp, 'shy': self.greet}
         if change in ends:
             ends[change].end = Status.SUCCESS if change == 'low' else Status.FAILURE
         if change in ('stop', 'reset'):
             self.root.stop(Status.INVALID)
-        if change != 'stop':
-            self.root.tick_once()
+        return change != 'stop'
 
 
 def story(robot: Any, moments: Listed[str]) -> str:
     """Return, as a table, what a robot answers at each moment."""
     rink, lines = Rink(), ['| the robot | answers |', '|---|---|']
+    tree = py_trees.trees.BehaviourTree(rink.root)
+    tree.add_post_tick_handler(lambda tree: robot.tasks.tell_tree(tree.root, Task))
     for moment in moments:
         change, _, happens = moment.rpartition('|')
-        rink.change(change)
-        robot.tasks.tell_tree(rink.root, Task)
+        if rink.change(change):
+            tree.tick()
+        else:
+            robot.tasks.tell_tree(tree.root, Task)
         lines.append(f'| {happens} | {" ".join(robot.explainer.ask().message.splitlines())} |')
     return '\n'.join(lines)
 
