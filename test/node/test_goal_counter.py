@@ -16,7 +16,7 @@ from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.problem_text import with_state
 from mirror_explainer.pddl.simulation import carry_out
-from mirror_explainer.pddl.situation import FIRST, REPLANNED, Situation
+from mirror_explainer.pddl.situation import FIRST, REPLANNED, RESTARTED, RESUMED, Situation
 
 __all__ = ['operator']  # the fixture
 LIMITS = InputLimits()
@@ -51,10 +51,11 @@ def test_each_task_counts_once_and_is_not_among_those_before_it(tmp_path: Path):
     assert read_goals_seen(str(file)).counts == {'(a)': 2, '(b)': 1}
 
 
-def test_a_new_plan_for_the_same_goal_does_not_count(tmp_path: Path):
+def test_a_goal_that_was_not_reached_yet_does_not_count_again(tmp_path: Path):
     counter = GoalCounter(str(tmp_path / 'seen.yaml'))
     counts(counter, '(a)')
-    counter.before(episode(2, REPLANNED), '(a)', LIMITS)
+    for number, reason in enumerate((REPLANNED, RESTARTED, RESUMED), start=2):
+        counter.before(episode(number, reason), '(a)', LIMITS)
     assert read_goals_seen(str(tmp_path / 'seen.yaml')).counts == {'(a)': 1}
 
 

@@ -174,6 +174,23 @@ def test_a_robot_that_goes_back_in_its_list_begins_it_again(robot):
     assert json.loads(robot.published[-1][1])['plan'][0]['status'] == 'running'
 
 
+def test_a_robot_goes_back_to_the_task_that_was_put_off_however_the_other_one_went(robot):
+    def told(*tasks: tuple[str, str]) -> str:
+        robot.tasks.tell(tasks)
+        return robot.answer().split('\n')[0]
+
+    water = ('Water the plants', 'ahead')
+    told((TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead'))
+    urgent = told(('Fill the can', 'running'), water)
+    in_another_way = told(('Call for help', 'running'), water)
+    back = told((TEA[0], 'running'), (TEA[1], 'ahead'), (TEA[2], 'ahead'))
+
+    assert urgent == 'I have a new task.'
+    assert in_another_way == 'I have changed my plan.'
+    assert back == 'I have gone back to what I was doing.'
+    assert json.loads(robot.published[-1][1])['episode']['reason'] == 'resumed'
+
+
 @pytest.fixture
 def asked(peer, tmp_path, warehouse):
     """A peer whose explainer has the user model of the example robot with tasks."""
