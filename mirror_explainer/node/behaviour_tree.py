@@ -59,8 +59,9 @@ def tree_tasks(
 def failure_reason(root: TreeNode, leaves: Kinds) -> str:
     """Return why a tree failed, '' if it did not, or does not say.
 
-    That is the `feedback_message` of the node that failed first, but not one of py_trees' own
-    nodes, which is for developers; without one of a condition it is its name.
+    That is the `feedback_message` of the node that failed first, or of what an Inverter made
+    it of, but not one of py_trees' own nodes, which is for developers; without one of a
+    condition it is its name.
     """
     failed = _failed(root)
     if not failed:
@@ -120,9 +121,15 @@ def _failed(root: TreeNode) -> list[TreeNode]:
 
 
 def _own_words(node: TreeNode) -> str:
-    """Return what a node says of itself, '' for a node of py_trees' own."""
-    is_own = type(node).__module__.split('.')[0] != 'py_trees'
-    return node.feedback_message if is_own else ''
+    """Return what a node that failed says of itself.
+
+    For one of py_trees' own it is what its only child says if that succeeded, as of an
+    Inverter, else nothing.
+    """
+    if type(node).__module__.split('.')[0] != 'py_trees':
+        return str(node.feedback_message or '')
+    only = node.children[0] if len(node.children) == 1 else None
+    return _own_words(only) if only and _standing(only) == 'done' else ''
 
 
 def _is_selector(node: TreeNode) -> bool:

@@ -82,10 +82,8 @@ class TaskList:
         if not_there := {*ends}.difference(every := [*all_tasks(root, leaves)]):
             raise _no_task(min(not_there), every)
         is_reset = root.status.name == 'INVALID'
-        if is_reset and root is self._tree:
-            tasks = []
-        else:
-            tasks = tree_tasks(root, leaves, self._tree_tasks)
+        is_given_up = is_reset and root is self._tree
+        tasks = [] if is_given_up else tree_tasks(root, leaves, self._tree_tasks)
         self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
         named = {task for task, _ in tasks}
         self.tell(tasks, [end for end in ends if end in named], failure_reason(root, leaves))
@@ -114,7 +112,8 @@ def task_texts(
     tasks: Iterable[tuple[str, str]], ends: Collection[str] = (), reason: str = ''
 ) -> TaskTexts:
     """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
-    because = ' '.join(['', 'because', *reason.replace(';', ',').split()]) if reason else ''
+    words = reason.replace(';', ',').split()  # a semicolon would begin a comment
+    because = ' '.join(['', 'because', *words]) if words else ''
     told = [(task, checked_standing(standing)) for task, standing in tasks]
     names = _spelling(task for task, _ in told)
     named = [(task_name(task).lower(), standing) for task, standing in told]

@@ -202,6 +202,11 @@ def test_why_a_tree_failed_is_what_the_node_says_or_the_name_of_a_condition() ->
     assert after_driving(py_trees.behaviours.Failure('boards up'), Task('shave'))[1] == (
         'This check failed: boards up'
     )
+    inverter = py_trees.decorators.Inverter
+    dull = inverter('blade is not dull', Excused('dull?'))
+    assert after_driving(dull, Task('shave'))[1] == 'The blade is not sharp.'
+    dull = inverter('blade is not dull', Condition('dull?'))
+    assert after_driving(dull, Task('shave'))[1] == 'This check failed: blade is not dull'
     assert after_driving(Shaver('shave', fails)) == ('+drive !shave', 'the ice is too thin')
     assert after_driving(Task('shave', fails)) == ('+drive !shave', '')
     assert after_driving() == ('+drive', '')

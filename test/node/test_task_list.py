@@ -88,6 +88,7 @@ def test_only_what_failed_has_the_reason_on_one_line_without_a_comment():
     texts = task_texts(tasks, reason='It is late;\n9 pm.')
     failed = 'failed: (do bring_the_tea) because It is late, 9 pm.'
     assert texts.progress == f'done: (do boil_water)\n{failed}'
+    assert task_texts(tasks, reason=' ').progress.endswith('failed: (do bring_the_tea)')
 
 
 def test_a_user_model_names_tasks(warehouse):
