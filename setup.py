@@ -40,6 +40,7 @@ setup(
     ],
     extras_require={
         'experiments': ['matplotlib>=3.7', 'pandas', 'rich>=13', 'scipy', 'tabulate', 'tqdm'],
+        'plans': ['kstar-planner>=1.6,<2'],
         'web': [
             'Django>=5.2,<6',
             'django-htmx>=1.29',

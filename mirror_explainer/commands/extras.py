@@ -1,4 +1,4 @@
-"""What parts of the package need beyond its core: the extras [experiments] and [web]."""
+"""What parts of the package need beyond its core: the extras [experiments], [plans], [web]."""
 
 from collections.abc import Mapping
 from importlib.util import find_spec
@@ -13,6 +13,7 @@ _NEEDED: Mapping[str, Mapping[str, str]] = {
         'tabulate': 'tabulate',
         'tqdm': 'tqdm',
     },
+    'plans': {'kstar_planner': "'kstar-planner>=1.6,<2'"},
     'web': {
         'django': "'Django>=5.2,<6'",
         'django_htmx': 'django-htmx',
@@ -21,7 +22,11 @@ _NEEDED: Mapping[str, Mapping[str, str]] = {
         'whitenoise': 'whitenoise',
     },
 }
-_USERS = {'experiments': 'the experiments need', 'web': 'the pages need'}
+_USERS = {
+    'experiments': 'the experiments need',
+    'plans': 'further plans of a belief need',
+    'web': 'the pages need',
+}
 
 
 class MissingExtras(RuntimeError):

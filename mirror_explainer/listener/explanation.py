@@ -196,7 +196,7 @@ class Explanation:
 
     @property
     def plans_cut(self) -> int:
-        """The beliefs whose search for further plans was cut by time or number."""
+        """The number of beliefs of which not all plans asked for are known."""
         return self.model.plans_cut
 
     @property

@@ -56,7 +56,7 @@ class MirrorModel:
     likelihood ratios P(s|way) / P(s|π_R) of the T different `told` sentences of π_R.
     `planned` and `unsolvable` are shares of P(B): planned for or proved unsolvable, and the
     latter alone; `covered` is the share that was enumerated. `plans_cut` counts the beliefs
-    of which not all plans were looked for, `cut_by_time` those of them that time cut.
+    of which not all plans asked for are known, `cut_by_time` those of them that time cut.
     """
 
     listener: Listener
@@ -108,7 +108,7 @@ class MirrorModel:
 
     @property
     def complete(self) -> bool:
-        """Whether all of P(B) was planned for, and all plans asked for were looked for."""
+        """Whether all of P(B) was planned for, and time cut no search for further plans."""
         return self.planned == 1.0 and not self.cut_by_time
 
     @property

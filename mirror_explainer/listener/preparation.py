@@ -311,3 +311,9 @@ def _warnings(prior: Prior, results: Mapping[Belief, BeliefPlans]) -> Iterator[s
             f'for {len(unknown)} of {len(results)} beliefs planning gave no result '
             f'({unknown[0].reason}): the listener is taken not to foresee the way there'
         )
+    without = [result for result in results.values() if result.cut == 'planner']
+    if without:
+        why = (
+            without[0].reason or "they need the extra [plans]: pip install 'kstar-planner>=1.6,<2'"
+        )
+        yield f'no further plans for {len(without)} of {len(results)} beliefs: {why}'

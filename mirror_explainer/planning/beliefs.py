@@ -53,17 +53,18 @@ class Status(Enum):
     UNKNOWN = 'unknown'  # time, memory or the engine gave out
 
 
-# Why the search for further plans ended before all were found: '' where it did not.
-Cut = Literal['', 'time', 'number']
+# Why not all further plans that were asked for are known: '' where they are.
+Cut = Literal['', 'time', 'number', 'planner']
 
 
 @dataclass(frozen=True)
 class BeliefPlans:
     """What planning found for one belief: plans from the cheapest up, none unless SOLVED.
 
-    `reason` says in a few words why the status is UNKNOWN. `cut` says why there may be more
-    plans than were found of those asked for: 'time' ended their search, or there are too many
-    ('number'); '' where these are all.
+    `cut` says why there may be more plans than these, where more were asked for: 'time' ended
+    their search, there are too many ('number'), or what finds them is not installed or failed
+    ('planner'); '' where these are all. `reason` says in a few words why the status is UNKNOWN, or
+    what failed at further plans.
     """
 
     status: Status

@@ -62,15 +62,16 @@ class Ask:
 
     It answers with an empty list once the beliefs are grounded, then with lists of
     (belief, attempt) pairs, and at last with Done; or with Unfitting. `workers`
-    searches by the program `downward` run at a time, each for `planning_timeout`
-    seconds at most, all for `seconds`; the worker, like each search, may use
-    `memory_limit` MiB.
+    searches run at a time, by the program `downward`, and for further plans by `kstar`, '' if that
+    is not here; each for `planning_timeout` seconds at most, all for `seconds`. The worker, like
+    each search, may use `memory_limit` MiB.
     """
 
     space: BeliefSpace
     beliefs: tuple[Belief, ...]
     plans_per_belief: int
     downward: str
+    kstar: str
     workers: int
     planning_timeout: float
     memory_limit: int

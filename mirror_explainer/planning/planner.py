@@ -18,7 +18,7 @@ from mirror_explainer.planning.beliefs import (
     PlanningReport,
     Status,
 )
-from mirror_explainer.planning.downward.program import find_downward
+from mirror_explainer.planning.downward.program import find_downward, find_kstar
 from mirror_explainer.planning.downward.way import DownwardWay
 from mirror_explainer.planning.engines.pool import EnginePool
 from mirror_explainer.planning.limits import Limits, Stop
@@ -61,7 +61,8 @@ class Planner:
         self._fast: DownwardWay | None = None
         downward = find_downward(downward_binary) if shortcuts and engine == FAST else None
         if downward:
-            self._fast = DownwardWay(downward, workers, planning_timeout, memory_limit)
+            limits = workers, planning_timeout, memory_limit
+            self._fast = DownwardWay(downward, find_kstar(), *limits)
         self._busy = threading.Lock()
         self._closed = threading.Event()
         self._known_space: BeliefSpace | None = None
@@ -92,9 +93,9 @@ class Planner:
 
         The first belief is planned for first, then the others, goals in the order in which they
         come. `plans_per_belief` is how many plans a belief should get, which are looked
-        for when each belief has one; an engine that gives one at a time gives one. After
-        `deadline` seconds the rest stays unknown. Setting `cancelled` in another thread ends the
-        call and its planning within some 50 ms. `found` is told each belief's result as
+        for when each belief has one; without kstar-planner, or with another engine, it gets one.
+        After `deadline` seconds the rest stays unknown. Setting `cancelled` in another thread
+        ends the call and its planning within some 50 ms. `found` is told each belief's result as
         it comes, that of a belief known already at once, and again if further plans join it.
 
         Raises Cancelled; InputError for texts that cannot be read; PlanningError

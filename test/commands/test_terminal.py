@@ -67,7 +67,6 @@ COMMANDS = {
     'planning_speed': 'experiments.planning.speed',
     'plans_per_belief': 'experiments.planning.plans_per_belief',
     'scale': 'experiments.planning.scale',
-    'further': 'experiments.planning.further',
     'operator_page': 'web.operator.operator_page',
     'warehouse_robot': 'demo.warehouse_robot',
     'task_list_robot': 'demo.task_list_robot',

@@ -3,14 +3,14 @@
 import json
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from kstar import needs_kstar
 from patience import PATIENCE
 
 from mirror_explainer.experiments.benchmark.dataset import Listed, listed_locations, manifest
-from mirror_explainer.experiments.planning import further, plans_per_belief, scale, speed
+from mirror_explainer.experiments.planning import plans_per_belief, scale, speed
 from mirror_explainer.experiments.planning.plain_searches import PEERS, seconds_of
 from mirror_explainer.experiments.planning.robots import robots
 from mirror_explainer.experiments.planning.scale_tables import Row, Searches, searches_table
@@ -45,6 +45,7 @@ def test_the_fast_way_is_set_beside_one_call_a_belief(capsys) -> None:
     assert of_domain[3] == row[3]  # the median of one
 
 
+@needs_kstar
 def test_what_is_lost_with_fewer_plans_is_told_for_every_number_of_them(capsys) -> None:
     assert plans_per_belief.main(['--only', 'choices', '--renamings', '1']) == 0
 
@@ -103,20 +104,6 @@ def test_a_peer_that_is_not_installed_is_left_out_and_named(monkeypatch) -> None
     assert heading.endswith('| LAMA |')
     assert told == '| a robot | 4 | 1.50 | 0.50 | 3.0 | 2.00 |'
     assert 'not installed: SymK (up-symk), K* (kstar-planner).' in lines[-1]
-
-    told = further.table([further.Row('some', 'a task', further.Found((2,), True, 0.5), None)])
-    assert '| a task | 2 | 0.50 |' in told
-    assert 'not installed: K* (kstar-planner).' in told
-
-
-def test_counts_of_plans_must_agree_where_both_ways_ended() -> None:
-    few, more = further.Found((2, 3), True, 0.5), further.Found((2, 4), True, 0.25)
-
-    with pytest.raises(AssertionError):
-        further.Row('some', 'a task', few, more)
-    told = further.table([further.Row('some', 'a task', few, replace(more, ended=False))])
-    assert '| a task | 2, 3 | 0.50 | 2, 4 | 0.25 (not ended) |' in told
-    assert told.endswith('| all | 1 | 0 | 1 | 0 | 0 | 0 |')  # one with K* had not ended
 
 
 def test_a_plain_search_that_does_not_end_in_time_is_ended() -> None:

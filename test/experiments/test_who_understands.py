@@ -4,6 +4,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from kstar import needs_kstar
 
 pd = pytest.importorskip('pandas', reason='the extra [experiments] is not installed')
 
@@ -43,6 +44,7 @@ def test_a_drawn_robot_can_be_read_with_each_of_its_goals(robot: str) -> None:
     assert problem == ROBOTS[robot](Random(3)) != ROBOTS[robot](Random(4))
 
 
+@needs_kstar
 def test_a_task_has_several_equally_good_plans(inspection) -> None:
     assert max(len(result.plans) for result in inspection.many.results.values()) > 2
     assert {len(result.plans) for result in inspection.one.results.values()} <= {0, 1}
@@ -50,6 +52,7 @@ def test_a_task_has_several_equally_good_plans(inspection) -> None:
     assert max(len(result.plans) for result in most) == 2
 
 
+@needs_kstar
 def test_each_speaker_is_judged_by_each_listener_at_each_n(inspection) -> None:
     rows = pd.DataFrame([vars(row) for row in judgements(inspection, counts=(1, 300))])
 

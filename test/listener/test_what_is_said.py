@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from prepared import prepared
 
+from mirror_explainer.experiments.warehouse_files import read_warehouse
 from mirror_explainer.explainer import explain
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.preparation import Preparation
@@ -268,6 +269,21 @@ def test_a_free_step_for_nothing_leaves_the_listeners_own_plan_beside_the_robots
     # One plan a belief: the robot's stands for it. More: both, each half as likely.
     before = [asked(known, 1, 'planner').cross_entropy_before for known in (one, many)]
     assert before == pytest.approx([math.log(2), math.log(4)])
+
+
+def test_that_further_plans_need_an_extra_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr('mirror_explainer.planning.planner.find_kstar', lambda: '')
+    task, model = read_warehouse()
+    with Planner() as planner:
+        known = prepared(task, None, model, planner, plans_per_belief=10)
+
+    solved = [result for result in known.results.values() if result.plans]
+    assert {(len(result.plans), result.cut) for result in solved} == {(1, 'planner')}
+    assert known.warnings == (
+        f'no further plans for {len(solved)} of {len(known.results)} beliefs: '
+        "they need the extra [plans]: pip install 'kstar-planner>=1.6,<2'",
+    )
+    assert asked(known, 3).plans_cut == len(solved)
 
 
 def test_what_was_not_planned_for_in_time_is_told_and_no_plan_stands_in(known) -> None:

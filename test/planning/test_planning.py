@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
+from kstar import needs_kstar
 from pddl_cases import (
     TOOLS,
     TOOLS_DOMAIN,
@@ -129,6 +130,7 @@ def test_each_result_is_told_as_it_is_found_and_known_ones_at_once(planner: Plan
     assert [belief for belief, _ in told] == [Belief(1), Belief(1, TOOLS_SHARP)]
 
 
+@needs_kstar
 def test_the_first_belief_comes_first_then_goals_as_asked_and_all_before_further_plans() -> None:
     space = BeliefSpace(
         WAREHOUSE_DOMAIN,

@@ -19,7 +19,7 @@ from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.translations import Translations
 from mirror_explainer.planning.downward.portfolio import FIRST_TRY, PLAIN, Try, next_try
-from mirror_explainer.planning.downward.program import Search, find_downward
+from mirror_explainer.planning.downward.program import Search, downward, find_downward
 from mirror_explainer.planning.downward.subject import Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
 from mirror_explainer.planning.downward.what_matters import GoalTask
@@ -39,20 +39,21 @@ def every_subject(lists: Lists, space: BeliefSpace) -> list[Subjects]:
     together = [belief for belief in beliefs if belief.goal not in grounding.hard_goals]
     initial = translator.initial_atoms(lists)
     # Each belief by itself, so that none is known by another.
-    walks = [SupersetWalk(grounding, initial, [b], lists.scale, False) for b in together]
+    walks = [SupersetWalk(grounding, initial, [b], lists.scale, '') for b in together]
     return [*walks, singles]
 
 
 def searched(subjects: Subjects, subject: object, text: bytes, member: str) -> float | None:
     """Return the cost that one search finds, None if it says that there is no plan."""
-    search = Search(find_downward('') or '', text, member, FOREVER)
+    search = Search(downward(find_downward('') or ''), text, member, FOREVER)
     outcome = search.outcome()
     assert outcome.status is not Status.UNKNOWN, (member, outcome)
     if outcome.status is Status.UNSOLVABLE:
         return None
-    plan = subjects.checked(subject, outcome.actions)
-    assert plan is not None, (member, outcome.actions)
-    return subjects.cost(subject, plan)
+    finding = subjects.checked(subject, outcome.plans)
+    result = finding and subjects.result(subject, finding)
+    assert result, (member, outcome.plans)
+    return result.plans[0].cost
 
 
 def check_every_member(space: BeliefSpace) -> int:
@@ -67,17 +68,11 @@ def check_every_member(space: BeliefSpace) -> int:
             cost = expected[subject.members[0]]
             finding = subjects.known(subject)
             if finding is not None:
-                assert (finding.plan is None) == (cost is None)
+                assert (not finding.plans) == (cost is None)
                 continue
             task = subjects.search_input(subject)
-            texts = [task.text]
-            if isinstance(subjects, SupersetWalk):  # and without detours, as for further plans
-                direct, state = GoalTask(subjects.task, subjects.goal(subject)).from_here(
-                    subject.state
-                )
-                texts.append(direct.text(state))
-            for text, member in itertools.product(texts, task.members):
-                assert searched(subjects, subject, text, member) == cost, member
+            for member in task.members:
+                assert searched(subjects, subject, task.text, member) == cost, member
                 compared += 1
     return compared
 

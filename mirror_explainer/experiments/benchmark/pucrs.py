@@ -67,6 +67,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         require_extras('experiments')
+        if options.plans_per_belief > 1:
+            require_extras('plans')
         if not options.dataset:
             raise InputError('--dataset', f'give the data set, here or in {ENVIRONMENT}')
         jobs = _jobs(options)

@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
+from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import whole
 from mirror_explainer.commands.terminal import command_parser, tell_error
 from mirror_explainer.errors import InputError, PlanningError
@@ -187,7 +188,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         _measure(options)
-    except (InputError, PlanningError, OSError) as error:
+    except (InputError, PlanningError, MissingExtras, OSError) as error:
         tell_error('plans_per_belief', error)
         return 2
     except KeyboardInterrupt:
@@ -199,6 +200,7 @@ def _measure(options: argparse.Namespace) -> None:
     locations = (
         _easy_instances(options.pucrs, options.limit, options.problems) if options.pucrs else []
     )
+    require_extras('plans')
     if options.only != 'times':
         said = list(_said(options, locations))
         print('Information gain lost under a referee that knows all: share, and worst in nats:\n')

@@ -34,6 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         require_extras('experiments')
         tasks = list(_tasks(options))
+        require_extras('plans')
         # Not before the extras are known to be there.
         from mirror_explainer.experiments.understanding.report import write_report
 

@@ -11,6 +11,9 @@ from functools import cached_property
 Fact = tuple[int, int]
 State = tuple[int, ...]
 
+# The names of ground actions, in order.
+Actions = tuple[str, ...]
+
 
 @dataclass(frozen=True)
 class Operator:

@@ -1,19 +1,21 @@
-"""One search by Fast Downward's `downward` program: a process that is asked, and can be ended.
+"""One search by Fast Downward, or by K*: a process that is asked, and can be ended.
 
 Input and plan pass through memory, so that nothing is left on disk.
 """
 
 import contextlib
 import importlib.util
+import json
 import os
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Status
+from mirror_explainer.planning.downward.ground_task import Actions
 from mirror_explainer.planning.processes.confinement import limit_search
 
 # https://www.fast-downward.org/latest/documentation/exit-codes/
@@ -21,16 +23,57 @@ _SOLVED = (0, 1, 2, 3)
 _UNSOLVABLE = (10, 11)
 _OUT_OF_MEMORY = (20, 22, 24)
 
+# In a search's configuration, where the file for its plans is to be named.
+PLAN_FILE = 'PLAN_FILE'
+
+
+@dataclass(frozen=True)
+class Program:
+    """A search program: its path, its name in messages, and how it writes plans.
+
+    `plans` reads these from a text, and gives None for one that is not whole.
+    """
+
+    path: str
+    name: str
+    plans: Callable[[str], tuple[Actions, ...] | None]
+
+
+def downward(path: str) -> Program:
+    """Return Fast Downward, whose searches find one plan."""
+    return Program(path, 'downward', _one_plan)
+
+
+def kstar(path: str) -> Program:
+    """Return K*, which is Fast Downward with a search that finds many plans."""
+    return Program(path, 'K*', _many_plans)
+
+
+def _one_plan(text: str) -> tuple[Actions, ...] | None:
+    """Read a plan, which ends with its cost."""
+    lines = text.splitlines()
+    if not lines or not lines[-1].startswith('; cost'):
+        return None
+    return (tuple(_canonical(line) for line in lines if line.startswith('(')),)
+
+
+def _many_plans(text: str) -> tuple[Actions, ...] | None:
+    """Read plans as JSON."""
+    try:
+        return tuple(tuple(map(_canonical, plan['actions'])) for plan in json.loads(text)['plans'])
+    except (ValueError, LookupError, TypeError, AttributeError):
+        return None
+
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a search found: `actions` when SOLVED; `reason` when UNKNOWN, which may be a crash.
+    """What a search found: `plans` when SOLVED; `reason` when UNKNOWN, which may be a crash.
 
     It took so many `seconds` of processor time.
     """
 
     status: Status
-    actions: tuple[str, ...] = ()
+    plans: tuple[Actions, ...] = ()
     reason: str = ''
     crashed: bool = False
     seconds: float = 0.0
@@ -44,7 +87,8 @@ class Search:
     does not start.
     """
 
-    def __init__(self, binary: str, task: bytes, configuration: str, seconds: float) -> None:
+    def __init__(self, program: Program, task: bytes, configuration: str, seconds: float) -> None:
+        self._program = program
         self.since, self.seconds = time.monotonic(), seconds
         with contextlib.ExitStack() as on_failure, contextlib.ExitStack() as in_the_end:
 
@@ -62,7 +106,11 @@ class Search:
             os.lseek(task_file, 0, os.SEEK_SET)
             plan_file = f'/proc/self/fd/{self._plan}'
             self._process = subprocess.Popen(
-                [binary, '--search', configuration, '--internal-plan-file', plan_file],
+                [
+                    program.path,
+                    *('--search', configuration.replace(PLAN_FILE, plan_file)),
+                    *('--internal-plan-file', plan_file),
+                ],
                 stdin=task_file,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
@@ -90,12 +138,10 @@ class Search:
         code = self._process.wait()
         with open(self._plan, 'rb', closefd=False) as stream:
             stream.seek(0)
-            lines = stream.read().decode(errors='replace').splitlines()
+            plans = self._program.plans(stream.read().decode(errors='replace'))
         self._close()
-        actions = tuple(_canonical(line) for line in lines if line.startswith('('))
-        # The plan ends with its cost; a text without is no whole plan.
-        if code in _SOLVED and lines and lines[-1].startswith('; cost'):
-            return Outcome(Status.SOLVED, actions, seconds=seconds)
+        if code in _SOLVED and plans:
+            return Outcome(Status.SOLVED, plans, seconds=seconds)
         if code in _UNSOLVABLE:
             return Outcome(Status.UNSOLVABLE, seconds=seconds)
         if code in _OUT_OF_MEMORY:
@@ -103,7 +149,7 @@ class Search:
         how = f'was ended by signal {-code}' if code < 0 else f'ended with code {code}'
         if code in _SOLVED:
             how = 'gave no whole plan'
-        return Outcome(Status.UNKNOWN, reason=f'downward {how}', crashed=True)
+        return Outcome(Status.UNKNOWN, reason=f'{self._program.name} {how}', crashed=True)
 
     def kill(self) -> None:
         """End the search at once."""
@@ -139,11 +185,20 @@ def find_downward(named: str) -> str | None:
         return None
     package = importlib.util.find_spec('up_fast_downward')
     folders: Sequence[str] = (package and package.submodule_search_locations) or ()
-    for folder in folders:
-        program = Path(folder) / 'downward' / 'builds' / 'release' / 'bin' / 'downward'
-        if os.access(program, os.X_OK):
-            return str(program)
-    return None
+    return _program_in(Path(folder, 'downward') for folder in folders)
+
+
+def find_kstar() -> str:
+    """Return the search program that kstar-planner brings, '' if there is none."""
+    package = importlib.util.find_spec('kstar_planner')
+    folders: Sequence[str] = (package and package.submodule_search_locations) or ()
+    return _program_in(Path(folder) for folder in folders) or ''
+
+
+def _program_in(folders: Iterable[Path]) -> str | None:
+    """Return the first program `downward` that was built in one of the folders."""
+    programs = (folder / 'builds' / 'release' / 'bin' / 'downward' for folder in folders)
+    return next((str(program) for program in programs if os.access(program, os.X_OK)), None)
 
 
 def _canonical(line: str) -> str:

@@ -6,12 +6,12 @@ import math
 import selectors
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, Status
 from mirror_explainer.planning.downward.portfolio import FIRST_TRY, Try, next_try
-from mirror_explainer.planning.downward.program import Outcome, Search
+from mirror_explainer.planning.downward.program import Outcome, Program, Search
 from mirror_explainer.planning.downward.subject import Finding, SearchInput, Subject, Subjects
 from mirror_explainer.planning.messages import Ask, Attempt, unknown
 
@@ -86,12 +86,19 @@ class Searches:
         self.searching = 0.0
         self.worked = 0.0
 
-    def run(self, all_subjects: Sequence[Subjects], other: int, heard: Callable[[], bool]) -> bool:
+    def run(
+        self,
+        all_subjects: Sequence[Subjects],
+        program: Program,
+        other: int,
+        heard: Callable[[], bool],
+    ) -> bool:
         """Plan for all subjects, until the deadline, or `heard` once `other` is readable.
 
-        Returns whether neither came before the end. Raises PlanningError when the
-        program fails at whatever it is asked.
+        It is `program` that searches. Returns whether neither came before the end. Raises
+        PlanningError when all it was ever asked, by another program too, failed.
         """
+        self._program = program
         self._begun, self._scouting, self._lesson = 0, True, None
         with selectors.DefaultSelector() as selector:
             selector.register(other, selectors.EVENT_READ)
@@ -153,10 +160,10 @@ class Searches:
             began = time.monotonic()
             try:
                 search = Search(
-                    self._ask.downward, job.input.text, job.now.configuration, job.now.seconds
+                    self._program, job.input.text, job.now.configuration, job.now.seconds
                 )
             except OSError as error:
-                reason = f'{self._ask.downward} does not start: {error.strerror}'
+                reason = f'{self._program.path} does not start: {error.strerror}'
                 self._ended(job, Outcome(Status.UNKNOWN, reason=reason, crashed=True))
                 continue
             self.searching += time.monotonic() - began
@@ -184,7 +191,8 @@ class Searches:
             elif now - search.since > _PATIENCE * search.seconds + _MORE_PATIENCE:
                 self._leave(selector, search)
                 search.kill()
-                self._ended(job, Outcome(Status.UNKNOWN, reason='downward hangs', crashed=True))
+                reason = f'{self._program.name} hangs'
+                self._ended(job, Outcome(Status.UNKNOWN, reason=reason, crashed=True))
         return other in ready
 
     def _leave(self, selector: selectors.BaseSelector, search: Search) -> None:
@@ -205,17 +213,17 @@ class Searches:
             self._settle(job, None, unknown(job.reason or too_long, crashed))
 
     def _ended(self, job: _Job, outcome: Outcome) -> None:
-        plan: tuple[str, ...] | None = None
-        if outcome.status is Status.SOLVED:
-            plan = job.subjects.checked(job.subject, outcome.actions)
-            if plan is None:
-                reason = 'downward gave a wrong plan'
+        finding = None
+        if outcome.status is not Status.UNKNOWN:
+            finding = job.subjects.checked(job.subject, outcome.plans)
+            if finding is None:
+                reason = f'{self._program.name} gave a wrong plan'
                 outcome = Outcome(Status.UNKNOWN, reason=reason, crashed=True)
         self._count(outcome)
         assert job.input and job.now, 'it was tried'
-        if outcome.status is not Status.UNKNOWN:
+        if finding is not None:
             job.subject.lesson = Try(job.now.configuration, outcome.seconds)
-            self._settle(job, Finding(plan))
+            self._settle(job, finding)
         elif outcome.crashed and not job.crashed:
             job.crashed = True
             self._queue_up(job)
@@ -230,7 +238,7 @@ class Searches:
         if self._all_failed and self._failures >= _MOST_FAILURES:
             raise PlanningError(
                 f'the planner fails at whatever it is asked: {outcome.reason}',
-                cure=f'See what is wrong with {self._ask.downward}, or name another planner.',
+                cure=f'See what is wrong with {self._program.path}, or name another planner.',
             )
 
     def _settle(self, job: _Job, finding: Finding | None, failure: Attempt | None = None) -> None:
@@ -240,11 +248,12 @@ class Searches:
         job.subjects.settle(job.subject, finding)
         result = job.subjects.result(job.subject, finding)
         if result is not None:
-            kept = not (job.subjects.provisional and result.cut) and not (
-                failure and failure.crashed
-            )
-            attempt = Attempt(result, lasting=kept)
-        elif failure is not None and job.subjects.required:
+            lasting = not (job.subjects.provisional and result.cut)
+            attempt = Attempt(result, lasting=lasting)
+            if failure is not None and failure.crashed:
+                result = replace(result, reason=failure.result.reason)
+                attempt = Attempt(result, crashed=True, lasting=False)
+        elif failure is not None:
             attempt = failure
         else:
             return

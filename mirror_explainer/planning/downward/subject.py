@@ -6,14 +6,16 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans
+from mirror_explainer.planning.downward.ground_task import Actions
 from mirror_explainer.planning.downward.portfolio import Try
 
 
 @dataclass(frozen=True)
 class Finding:
-    """An optimal plan, or None where there is provably none."""
+    """Optimal plans, none where there is provably none; `all` says that these are all of them."""
 
-    plan: tuple[str, ...] | None
+    plans: tuple[Actions, ...]
+    all: bool = False
 
 
 @dataclass(frozen=True)
@@ -43,12 +45,10 @@ class Subject(Protocol):
 class Subjects(Protocol):
     """The tasks to plan for. Those in `ready` may be planned for now, in this order.
 
-    `required` says that beliefs depend on these for any result at all; `provisional` that
-    their plans will be joined by others.
+    `provisional` says that their plans will be joined by others.
     """
 
     ready: deque[Any]
-    required: bool
     provisional: bool
 
     def known(self, subject: Any) -> Finding | None:
@@ -57,11 +57,8 @@ class Subjects(Protocol):
     def search_input(self, subject: Any) -> SearchInput:
         """Return what is to be searched for a subject of which nothing is known."""
 
-    def checked(self, subject: Any, actions: Sequence[str]) -> tuple[str, ...] | None:
-        """Return the plan in a search's actions, None if it does not reach the goal."""
-
-    def cost(self, subject: Any, plan: tuple[str, ...]) -> float:
-        """Return what a plan costs, in the problem's metric."""
+    def checked(self, subject: Any, plans: Sequence[Actions]) -> Finding | None:
+        """Return what the plans that a search gives come to, None if they are wrong."""
 
     def settle(self, subject: Any, finding: Finding | None) -> None:
         """Take in all that will be known of a subject, None if that is nothing."""

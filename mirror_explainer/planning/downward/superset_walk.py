@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
-from mirror_explainer.planning.downward.ground_task import Fact, State
+from mirror_explainer.planning.downward.ground_task import Actions, Fact, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
 from mirror_explainer.planning.downward.portfolio import PLAIN, Try
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
@@ -34,7 +34,7 @@ class Node:
     children: list['Node'] = field(default_factory=list)
     open_parents: int = 0
     unsolvable: bool = False
-    plan: tuple[str, ...] | None = None
+    plan: Actions | None = None
     cost: int | None = None
     hopeless: bool = False
     lesson: Try | None = None
@@ -45,12 +45,11 @@ class SupersetWalk:
     """The distinct tasks of some beliefs, the plans known for them, and what follows.
 
     `initial` has the problem's initial atoms, costs are divided by `scale`;
-    `provisional` says that other optimal plans will be looked for afterwards.
+    `cut` says what becomes of further plans: 'time' if they are looked for afterwards, 'planner'
+    if nothing here could do so, '' if none are asked for.
     `ready` has the first belief's node, then those whose parents, which have more facts, are
     settled, goals in the order of the beliefs.
     """
-
-    required = True
 
     def __init__(
         self,
@@ -58,9 +57,10 @@ class SupersetWalk:
         initial: frozenset[str],
         beliefs: Sequence[Belief],
         scale: int,
-        provisional: bool,
+        cut: Cut,
     ) -> None:
-        self.provisional = provisional
+        self.provisional = cut == 'time'
+        self._cut: Cut = cut
         self._scale = scale
         self.task = grounding.task
         self.as_declared = grounding.as_declared
@@ -84,7 +84,7 @@ class SupersetWalk:
             node.first = True
         self.ready = deque([*first, *(n for n in self._nodes if not n.parents and not n.first)])
 
-    def optimal(self) -> Iterator[tuple[Node, tuple[str, ...]]]:
+    def optimal(self) -> Iterator[tuple[Node, Actions]]:
         """Yield the nodes with an optimal plan, those with more facts first."""
         for node in self._nodes:
             if node.plan is not None:
@@ -114,28 +114,28 @@ class SupersetWalk:
         """Return what can be said of a ready node without a search, None if nothing."""
         goal = self._goals[node.goal]
         if goal is None or any(parent.unsolvable for parent in node.parents):
-            return Finding(None)
-        if all(node.state[variable] == value for variable, value in goal):
             return Finding(())
+        if all(node.state[variable] == value for variable, value in goal):
+            return Finding(((),))
         bound = max((parent.cost or 0 for parent in node.parents), default=0)
         for parent in node.parents:
-            if parent.plan and parent.cost == bound and self._works(node, parent.plan):
-                return Finding(parent.plan)
+            if parent.plan and parent.cost == bound and self.works(node, parent.plan):
+                return Finding((parent.plan,))
         if not self._goal_tasks[node.goal].may_be_reached(node.state):
-            return Finding(None)
+            return Finding(())
         node.hopeless = any(parent.hopeless for parent in node.parents)
         return None
 
     def search_input(self, node: Node) -> SearchInput:
         """Return what matters of the node's task."""
-        task, state = self._goal_tasks[node.goal].from_any(node.state)
+        task, state = self._goal_tasks[node.goal].from_state(node.state)
         return SearchInput(task.text(state), PLAIN)
 
-    def checked(self, node: Node, actions: Sequence[str]) -> tuple[str, ...] | None:
-        """Return the actions if they reach the goal, None otherwise."""
-        return tuple(actions) if self._works(node, actions) else None
+    def checked(self, node: Node, plans: Sequence[Actions]) -> Finding | None:
+        """Return the plans if they reach the goal, None otherwise."""
+        return Finding(tuple(plans)) if all(self.works(node, plan) for plan in plans) else None
 
-    def cost(self, _: Node, plan: Sequence[str]) -> float:
+    def cost(self, plan: Actions) -> float:
         """Return a plan's cost, in the problem's metric."""
         return self.task.cost(plan) / self._scale
 
@@ -143,25 +143,24 @@ class SupersetWalk:
         """Return what the finding says of the node's beliefs."""
         if finding is None:
             return None
-        if finding.plan is None:
+        if not finding.plans:
             return BeliefPlans(Status.UNSOLVABLE)
-        plan = Plan(finding.plan, self.cost(node, finding.plan))
-        # Until further plans were looked for, it is time that they lack.
-        cut: Cut = 'time' if self.provisional and finding.plan else ''
-        return BeliefPlans(Status.SOLVED, (plan,), cut=cut)
+        plans = tuple(Plan(plan, self.cost(plan)) for plan in finding.plans)
+        return BeliefPlans(Status.SOLVED, plans, cut=self._cut if any(finding.plans) else '')
 
     def settle(self, node: Node, finding: Finding | None) -> None:
         """Take in all that will be known of a node; nodes below it may become ready."""
-        if finding is not None and finding.plan is None:
-            node.unsolvable = True
-        elif finding is not None and finding.plan is not None:
-            node.plan, node.cost = finding.plan, self.task.cost(finding.plan)
+        if finding is not None:
+            node.unsolvable = not finding.plans
+            for plan in finding.plans:
+                node.plan, node.cost = plan, self.task.cost(plan)
         for child in node.children:
             child.open_parents -= 1
             if not child.open_parents and not child.first:
                 self.ready.append(child)
 
-    def _works(self, node: Node, plan: Sequence[str]) -> bool:
+    def works(self, node: Node, plan: Actions) -> bool:
+        """Say whether a plan can be carried out, and then the node's goal holds."""
         goal = self._goals[node.goal]
         return goal is not None and self.task.leads(plan, node.state, goal)
 

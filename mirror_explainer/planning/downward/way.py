@@ -42,15 +42,17 @@ _log = logging.getLogger(__name__)
 class DownwardWay:
     """A worker process that grounds, and runs `workers` searches at a time.
 
-    `downward` is the path of the search program. A search may take `planning_timeout`
+    `downward` is the path of the search program, `kstar` of the one for further plans, '' if there
+    is none. A search may take `planning_timeout`
     seconds; each process may use `memory_limit` MiB. The worker starts at once, so
     that it is there when it is needed.
     """
 
     def __init__(
-        self, downward: str, workers: int, planning_timeout: float, memory_limit: int
+        self, downward: str, kstar: str, workers: int, planning_timeout: float, memory_limit: int
     ) -> None:
         self._downward = downward
+        self._kstar = kstar
         self._workers = workers
         self._timeout = planning_timeout
         self._memory_limit = memory_limit
@@ -105,6 +107,7 @@ class DownwardWay:
                 tuple(left),
                 plans_per_belief,
                 self._downward,
+                self._kstar,
                 self._workers,
                 self._timeout,
                 self._memory_limit,

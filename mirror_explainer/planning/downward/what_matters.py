@@ -5,7 +5,7 @@ Costs stay exact: whatever plan uses an operator left out, there is one without 
 no dearer.
 """
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 
@@ -25,38 +25,18 @@ class GoalTask:
         self.variables = {v for o in self.operators for v in o.needs} | {v for v, _ in goal}
         self._sizes = task.sizes
         self._relaxation = Relaxation(self.operators)
-        self._from_here: dict[State, tuple[SearchTask, State]] = {}
 
     def may_be_reached(self, state: State) -> bool:
         """Say whether the goal could be reached if nothing ever became false."""
-        return self._relaxation.reached(state)[1].issuperset(self.goal)
+        return self._relaxation.reached(state).issuperset(self.goal)
 
-    def from_any(self, state: State) -> tuple[SearchTask, State]:
-        """Return a search from a state, by what matters from whatever state."""
-        return self._whole.task, self._whole.state(state)
+    def from_state(self, state: State) -> tuple[SearchTask, State]:
+        """Return a search from a state."""
+        return self._numbering.task, self._numbering.state(state)
 
     @cached_property
-    def _whole(self) -> Numbering:
+    def _numbering(self) -> Numbering:
         return Numbering(self._sizes, self.operators, self.goal, self.variables)
-
-    def from_here(self, state: State) -> tuple[SearchTask, State]:
-        """Return a search from a state that may reach the goal, by what matters from there."""
-        if state in self._from_here:
-            return self._from_here[state]
-        usable, _ = self._relaxation.reached(state)
-        changing = {
-            variable
-            for index in usable
-            for variable, value in self.operators[index].changes.items()
-            if value != state[variable]
-        }
-        # The others only make true what always is.
-        left = [o for o in map(self.operators.__getitem__, usable) if changing & o.changes.keys()]
-        direct = _without_detours(helpful(left, self.goal), state, self.goal)
-        operators = helpful(direct, self.goal)
-        changed = {variable for operator in operators for variable in operator.changes}
-        numbering = Numbering(self._sizes, operators, self.goal, changed)
-        return self._from_here.setdefault(state, (numbering.task, numbering.state(state)))
 
 
 def helpful(operators: Sequence[Operator], goal: Iterable[Fact]) -> list[Operator]:
@@ -133,86 +113,20 @@ class Relaxation:
             for fact in operator.condition:
                 self._needed_by[fact].append(index)
 
-    def reached(self, state: State, without: Iterable[int] = ()) -> tuple[list[int], set[Fact]]:
-        """Return the indices of the operators that can be applied, and the facts reached."""
+    def reached(self, state: State) -> set[Fact]:
+        """Return the facts that are true sometime."""
         missing = list(self._missing)
-        for index in without:
-            missing[index] = -1
-        usable = [index for index, count in enumerate(missing) if not count]
         reached = set(enumerate(state))
-        for index in usable:
-            reached.update(self._effects[index])
+        for index, count in enumerate(missing):
+            if not count:
+                reached.update(self._effects[index])
         open_facts = list(reached)
         while open_facts:
             for index in self._needed_by.get(open_facts.pop(), ()):
                 missing[index] -= 1
                 if not missing[index]:
-                    usable.append(index)
                     for fact in self._effects[index]:
                         if fact not in reached:
                             reached.add(fact)
                             open_facts.append(fact)
-        return sorted(usable), reached
-
-
-def _without_detours(
-    operators: Sequence[Operator], state: State, goal: Sequence[Fact]
-) -> list[Operator]:
-    """Leave out what only leads away and back, such as to fetch what the goal does not name.
-
-    For each variable that nothing reads without changing it: leave out all that change it, and
-    whatever then cannot be reached, if every plan works without them.
-    """
-    relaxation = Relaxation(operators)
-    changing: dict[int, set[int]] = defaultdict(set)
-    uses: Counter[Fact] = Counter(goal)
-    read = {variable for variable, _ in goal}
-    for index, operator in enumerate(operators):
-        uses.update({*operator.condition, *operator.effect})
-        read.update(operator.needs.keys() - operator.changes.keys())
-        for variable in operator.changes:
-            changing[variable].add(index)
-    gone: set[int] = set()
-    for variable in sorted(changing.keys() - read):
-        if not changing[variable] <= gone:
-            usable, reached = relaxation.reached(state, gone | changing[variable])
-            more = set(range(len(operators))) - gone - set(usable)
-            spared = [operators[index] for index in more]
-            if reached.issuperset(goal) and _are_spared(spared, uses, state):
-                gone |= more
-    return [operator for index, operator in enumerate(operators) if index not in gone]
-
-
-def _are_spared(gone: Sequence[Operator], uses: Counter[Fact], state: State) -> bool:
-    """Say whether no plan needs these operators.
-
-    `uses` counts the operators that mention a fact; those of `gone` are taken off where they are
-    spared. Where a plan changes a value by what is left out, the value stays as it was. That goes
-    well if no two values matter to what is kept that such changes connect: then, whenever one of
-    them is needed, it is the one that stayed.
-    """
-    touched = {v for operator in gone for v in operator.changes}
-    left = uses - Counter(f for o in gone for f in {*o.condition, *o.effect})
-    matter = {fact for fact in left if fact[0] in touched} | {(v, state[v]) for v in touched}
-    leader: dict[Fact, Fact] = {}
-
-    def lead(fact: Fact) -> Fact:
-        while leader.setdefault(fact, fact) != fact:
-            fact = leader[fact]
-        return fact
-
-    for operator in gone:
-        for variable, value in operator.changes.items():
-            before = operator.needs.get(variable)
-            if before is None:
-                sources = {fact for fact in uses if fact[0] == variable} | {
-                    (variable, state[variable])
-                }
-            else:
-                sources = {(variable, before)}
-            for source in sources:
-                leader[lead(source)] = lead((variable, value))
-    if len({lead(fact) for fact in matter}) < len(matter):
-        return False
-    uses.subtract(uses - left)
-    return True
+        return reached

@@ -8,12 +8,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from mirror_explainer.errors import PlanningError
-from mirror_explainer.planning.beliefs import Belief
-from mirror_explainer.planning.downward.alternatives import alternatives
+from mirror_explainer.planning.beliefs import Belief, Cut
+from mirror_explainer.planning.downward.further_plans import FurtherPlans
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists, UnfitError
 from mirror_explainer.planning.downward.grounding.translations import Translations
+from mirror_explainer.planning.downward.program import downward, kstar
 from mirror_explainer.planning.downward.searches import Searches
 from mirror_explainer.planning.downward.subject import Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
@@ -45,13 +46,12 @@ class DownwardWorker:
         try:
             subjects, way = self._subjects(ask)
             self._parent.send([])
-            finished = searches.run(subjects, self._parent.fileno(), self._stopped)
-            if finished and ask.plans_per_belief > 1:
+            listening = self._parent.fileno(), self._stopped
+            finished = searches.run(subjects, downward(ask.downward), *listening)
+            if finished and ask.plans_per_belief > 1 and ask.kstar:
                 walks = [walk for walk in subjects if isinstance(walk, SupersetWalk)]
-                others, settled = alternatives(walks, ask.plans_per_belief)
-                for node, result in settled.items():
-                    report(node.members, Attempt(result))
-                searches.run(others, self._parent.fileno(), self._stopped)
+                further = [FurtherPlans(walk, ask.plans_per_belief) for walk in walks]
+                searches.run(further, kstar(ask.kstar), *listening)
         except PlanningError as error:
             return Refusal(str(error), error.cure)
         except MemoryError:
@@ -83,8 +83,9 @@ class DownwardWorker:
         together = [b for b in ask.beliefs if b.goal not in grounding.hard_goals]
         alone = [b for b in ask.beliefs if b.goal in grounding.hard_goals]
         initial = translator.initial_atoms(lists)
+        cut: Cut = '' if ask.plans_per_belief == 1 else 'time' if ask.kstar else 'planner'
         return [
-            SupersetWalk(grounding, initial, together, lists.scale, ask.plans_per_belief > 1),
+            SupersetWalk(grounding, initial, together, lists.scale, cut),
             Translations(lists, ask.space, alone),
         ], way
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Plan, Status
+from mirror_explainer.planning.downward.ground_task import Actions
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.replay import reaches_goal
@@ -26,7 +27,6 @@ class Single:
 class Translations:
     """The beliefs to translate and plan for, one after another."""
 
-    required = True
     provisional = False
 
     def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
@@ -44,25 +44,27 @@ class Translations:
         fit = AXIOMS if translation.axioms else CONDITIONAL if translation.conditional else PLAIN
         return SearchInput(translation.text, fit)
 
-    def checked(self, single: Single, actions: Sequence[str]) -> tuple[str, ...] | None:
-        """Return the plan: the actions without the last, which stands for the goal."""
+    def checked(self, single: Single, plans: Sequence[Actions]) -> Finding | None:
+        """Return the plans without their last actions, which stand for the goal."""
         assert single.translation is not None, 'a search is made from it'
-        works = reaches_goal(single.translation.task, actions)
-        return tuple(actions[:-1]) if works else None
-
-    def cost(self, single: Single, plan: Sequence[str]) -> float:
-        """Return a plan's cost, in the problem's metric."""
-        assert single.translation is not None, 'a plan is found with it'
-        costs = single.translation.costs
-        return sum(costs[action] for action in plan) / self._lists.scale
+        works = all(reaches_goal(single.translation.task, plan) for plan in plans)
+        return Finding(tuple(plan[:-1] for plan in plans)) if works else None
 
     def result(self, single: Single, finding: Finding | None) -> BeliefPlans | None:
         """Return what the finding says of the belief."""
         if finding is None:
             return None
-        if finding.plan is None:
+        if not finding.plans:
             return BeliefPlans(Status.UNSOLVABLE)
-        return BeliefPlans(Status.SOLVED, (Plan(finding.plan, self.cost(single, finding.plan)),))
+        assert single.translation is not None, 'a plan is found with it'
+        costs = single.translation.costs
+        return BeliefPlans(
+            Status.SOLVED,
+            tuple(
+                Plan(plan, sum(costs[action] for action in plan) / self._lists.scale)
+                for plan in finding.plans
+            ),
+        )
 
     def settle(self, single: Single, finding: Finding | None) -> None:
         """Take note of nothing: no belief depends on another."""

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from pathlib import Path
 from random import Random
-from socket import socketpair
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from kstar import needs_kstar
 from patience import eventually
 from pddl_cases import gripper, random_space
 from processes import child_sessions, searches_of
@@ -25,16 +25,9 @@ from mirror_explainer.errors import Cancelled
 from mirror_explainer.experiments.planning.cases import every_belief
 from mirror_explainer.experiments.planning.robots import robots
 from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner, Status
-from mirror_explainer.planning.downward import alternatives
-from mirror_explainer.planning.downward.ground_task import Operator
-from mirror_explainer.planning.downward.grounding import translator
-from mirror_explainer.planning.downward.independent_parts import independent_parts
-from mirror_explainer.planning.downward.optimal_paths import Effort
-from mirror_explainer.planning.downward.optimal_plans import optimal_plans
 from mirror_explainer.planning.downward.program import find_downward
-from mirror_explainer.planning.downward.searches import Searches
-from mirror_explainer.planning.downward.superset_walk import SupersetWalk
-from mirror_explainer.planning.messages import Ask, Attempt
+
+pytestmark = needs_kstar
 
 MANY = 3000
 MOST_STATES = 800
@@ -334,54 +327,6 @@ def test_all_optimal_plans_are_found(planner: Planner) -> None:
     assert sum(count is not None and count > 1 for count in counts) >= 50
 
 
-@pytest.mark.parametrize('most', [MANY, 3])
-def test_searches_find_the_operators_where_all_that_matter_are_too_many(
-    most: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    more = 0
-    for seed in range(12):
-        space = random_space(Random(seed))
-        usual, few = found_here(space, most)
-        with monkeypatch.context() as patch:
-            for effort in ('_LITTLE', '_SAMPLED'):
-                patch.setattr(alternatives, effort, Effort(steps=0))
-            searched, searches = found_here(space, most)
-            more += searches - few
-
-        assert searched.keys() == usual.keys()
-        for belief, result in searched.items():
-            assert len(as_sets(result)) == len(usual[belief].plans)
-            assert result.cut == usual[belief].cut
-            if not result.cut:
-                assert as_sets(result) == as_sets(usual[belief])
-    assert more > 5
-
-
-def found_here(space: BeliefSpace, most: int) -> tuple[dict[Belief, BeliefPlans], int]:
-    """Return what the fast way finds in this process, and the number of its searches."""
-    lists = translator.parse(space)
-    grounding = translator.ground(lists)
-    if isinstance(grounding, str):
-        return {}, 0
-    found: dict[Belief, BeliefPlans] = {}
-
-    def report(beliefs: Sequence[Belief], attempt: Attempt) -> None:
-        found.update(dict.fromkeys(beliefs, attempt.result))
-
-    beliefs = [b for b in every_belief(space) if b.goal not in grounding.hard_goals]
-    ask = Ask(space, tuple(beliefs), most, find_downward('') or '', 2, 60.0, 4000, 300.0)
-    walk = SupersetWalk(grounding, translator.initial_atoms(lists), beliefs, lists.scale, True)
-    searches = Searches(ask, report)
-    ours, quiet = socketpair()
-    with ours, quiet:
-        searches.run([walk], quiet.fileno(), lambda: False)
-        others, settled = alternatives.alternatives([walk], most)
-        for node, result in settled.items():
-            report(node.members, Attempt(result))
-        searches.run(others, quiet.fileno(), lambda: False)
-    return found, searches.calls
-
-
 def test_plans_are_combined_where_parts_of_the_goal_are_apart(planner: Planner) -> None:
     space = errands(3, 3)
     report = planner.plan(space, every_belief(space), plans_per_belief=MANY)
@@ -473,33 +418,59 @@ def test_results_are_kept_for_the_same_number_of_plans(planner: Planner) -> None
     assert [len(result.plans) for result in more.results] == [1, 4, 4, 6]
 
 
-def test_first_plans_stay_known_when_time_ran_out_for_more(tmp_path: Path) -> None:
-    """From the first plan on, no search ends; and a free action makes one necessary."""
-    stuck = tmp_path / 'stuck'
-    program = tmp_path / 'downward'
-    program.write_text(
-        f'#!/bin/sh\n[ -e {stuck} ] && exec sleep 60\nexec {find_downward("")} "$@"\n'
-    )
+def kstar_is(script: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let another program stand in for K*."""
+    program = folder / 'kstar'
+    program.write_text(f'#!/bin/sh\n{script}\n')
     program.chmod(0o755)
-    domain = ERRANDS_DOMAIN.replace('(and (rested) (increase (total-cost) 1))', '(rested)')
-    space = replace(errands(2, 0), domain=domain)
-    with Planner(downward_binary=str(program)) as planner:
+    monkeypatch.setattr('mirror_explainer.planning.planner.find_kstar', lambda: str(program))
 
-        def plans(deadline: float) -> BeliefPlans:
-            asked = [Belief(0)]
-            return planner.plan(
-                space,
-                asked,
-                plans_per_belief=5,
-                deadline=deadline,
-                found=lambda *_: stuck.touch(),
+
+def test_first_plans_stay_known_when_time_ran_out_for_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kstar_is('exec sleep 60', tmp_path, monkeypatch)
+    with Planner() as planner:
+        first, again = (
+            planner.plan(
+                errands(2, 0), [Belief(0)], plans_per_belief=5, deadline=deadline
             ).results[0]
-
-        first = plans(deadline=1.0)
-        again = plans(deadline=0.3)
+            for deadline in (1.0, 0.3)
+        )
 
     assert (first.status, len(first.plans), first.cut) == (Status.SOLVED, 1, 'time')
     assert again == first
+
+
+WRITE = 'f=$(echo "$*" | sed "s/.*json_file_to_dump=//; s/,.*//")\necho %s > $f'
+
+
+@pytest.mark.parametrize(
+    ('script', 'reason'),
+    [
+        ('exit 77', 'K* ended with code 77'),
+        ('kill -9 $$', 'K* was ended by signal 9'),
+        ('exit 0', 'K* gave no whole plan'),
+        (WRITE % '\'{"plans": [{"actions": ["rest\'', 'K* gave no whole plan'),
+        (WRITE % '\'{"plans": [{"actions": ["rest"]}]}\'', 'K* gave a wrong plan'),
+        (WRITE % '\'{"plans": [{"actions": ["what"]}]}\'', 'K* gave a wrong plan'),
+        ('exit 11', 'K* gave a wrong plan'),
+    ],
+)
+def test_where_kstar_fails_each_belief_keeps_its_plan_and_it_is_tried_again(
+    script: str, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kstar_is(script, tmp_path, monkeypatch)
+    with Planner() as planner:
+        asked = errands(1, 1), [Belief(0)]
+        report = planner.plan(*asked, plans_per_belief=5)
+        again = planner.plan(*asked, plans_per_belief=5)
+
+    [result] = report.results
+    assert (result.status, len(result.plans), result.cut) == (Status.SOLVED, 1, 'planner')
+    assert result.reason == reason
+    assert report.failed == 1
+    assert again.planner_calls > 0
 
 
 def test_the_deadline_leaves_one_plan_a_belief() -> None:
@@ -521,7 +492,7 @@ def test_the_deadline_leaves_one_plan_a_belief() -> None:
     assert [r.plans[0].cost for r in report.results] == [r.plans[0].cost for r in one]
 
 
-def test_cancelling_while_alternatives_are_searched_leaves_nothing() -> None:
+def test_cancelling_while_further_plans_are_searched_leaves_nothing() -> None:
     domain, problem, goal = gripper(7)
     space = BeliefSpace(domain, problem, (goal, '(robot-at there)'))
     sessions = child_sessions()
@@ -584,18 +555,6 @@ def test_an_action_with_several_ways_to_apply_is_one_action(planner: Planner) ->
         assert len(result.plans) == bool(leaves and feeds)
 
 
-def test_an_action_that_is_done_very_often_is_counted_right() -> None:
-    # As numbers of ten bits, 1100 steps would be one jump and 1100 - 2¹⁰ = 76 steps.
-    steps = [Operator('(step)', ((0, n),), ((0, n + 1),), 1) for n in range(1100)]
-    jump = Operator('(jump)', ((0, 0),), ((0, 1024),), 1024)
-    walked, jumped = ('(step)',) * 1100, ('(jump)', *('(step)',) * 76)
-
-    found = optimal_plans([*steps, jump], (0,), [(0, 1100)], walked, 10, Effort(10_000))
-
-    assert found is not None and found.all
-    assert set(found.plans) == {walked, jumped}
-
-
 def test_equal_actions_in_another_order_are_one_plan(planner: Planner) -> None:
     domain, problem, _ = gripper(2)
     space = BeliefSpace(domain, problem, ('(and (at ball0 there) (at ball1 there))',))
@@ -603,13 +562,3 @@ def test_equal_actions_in_another_order_are_one_plan(planner: Planner) -> None:
 
     assert check(Referee(space), Belief(0), result) == 2
     assert len({frozenset(Counter(plan.actions).items()) for plan in result.plans}) == 2
-
-
-def test_operators_are_apart_unless_one_changes_what_another_reads_or_changes() -> None:
-    reads_only_what_stays = Operator('(a)', ((9, 0), (0, 0)), ((0, 1),), 1)
-    reads_it_too = Operator('(b)', ((9, 0),), ((1, 1),), 1)
-    reads_what_b_changes = Operator('(c)', ((1, 1),), ((2, 1),), 1)
-
-    parts = independent_parts([reads_only_what_stays, reads_it_too, reads_what_b_changes])
-
-    assert parts == [[reads_only_what_stays], [reads_it_too, reads_what_b_changes]]
