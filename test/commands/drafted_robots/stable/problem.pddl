@@ -1,0 +1,10 @@
+(define (problem morning) (:domain stable)
+  (:objects aisle loft yard dung_heap - place stall_1 stall_2 stall_3 stall_4 - stall
+    bella max luna star - horse)
+  (:init (at aisle) (hands-free) (barrow-full) (hay-at loft) (tap-at yard) (heap-at dung_heap)
+    (way aisle loft) (way loft aisle) (way aisle yard) (way yard aisle)
+    (way yard dung_heap) (way dung_heap yard)
+    (way aisle stall_1) (way stall_1 aisle) (way aisle stall_2) (way stall_2 aisle)
+    (way aisle stall_3) (way stall_3 aisle) (way aisle stall_4) (way stall_4 aisle)
+    (lives bella stall_1) (lives max stall_2) (lives luna stall_3) (lives star stall_4))
+  (:goal (and (fed bella) (fed luna) (watered luna) (mucked-out stall_3))))
