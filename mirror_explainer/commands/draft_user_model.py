@@ -14,6 +14,7 @@ import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.commands.drafting.document import document
 from mirror_explainer.commands.drafting.facts import doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
+from mirror_explainer.commands.drafting.naming import Naming
 from mirror_explainer.commands.drafting.patterns import World
 from mirror_explainer.commands.drafting.reach import within_reach
 from mirror_explainer.commands.drafting.words import drafted_words
@@ -78,7 +79,7 @@ def _draft(options: argparse.Namespace) -> tuple[str, str]:
             found,
             facts,
             task.initial_facts,
-            drafted_words(task, plan.plan.actions),
+            Naming(task, drafted_words(task, plan.plan.actions), plan.plan.actions),
             usual_rationality(plan.plan),
         )
         answers = _answers(task, plan, text, planner, settings)

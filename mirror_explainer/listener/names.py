@@ -8,7 +8,9 @@ from mirror_explainer.listener.english import word_set
 from mirror_explainer.listener.roles import words_in
 from mirror_explainer.pddl import Task
 
-_PEOPLE = word_set('person people human patient passenger customer guest user')
+_PEOPLE = word_set(
+    'person people human patient passenger customer guest user horse pony dog cat pet'
+)
 # Kinds of things that have names of their own.
 _NAMED = word_set('city town village country host server planet star')
 # Kinds whose names are mostly what they are like: "infrared", "slow", "red".
@@ -18,11 +20,11 @@ _QUALIFIED = word_set(
 )
 # Kinds that tell nothing.
 VAGUE = word_set('tool item object thing place location device instrument')
-# Kinds of people that are no one's name.
+# Kinds of people and animals that are no one's name.
 _ROLES = word_set(
     'nurse doctor surgeon patient child guest visitor customer operator user resident chef cook '
     'waiter worker manager boss owner driver passenger student teacher engineer technician '
-    'person human man woman boy girl'
+    'person human man woman boy girl mare stallion foal puppy kitten'
 )
 
 

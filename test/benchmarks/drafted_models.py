@@ -6,9 +6,10 @@ A folder has `domain.pddl`, `problem.pddl`, `plan.txt`, and a `user.yaml` by han
 test/commands/drafted_robots. Prints for each robot, over all pairs: how many drafts take all
 goals by hand; how many facts and groups of facts are found and proposed, at worst; and of the
 answers with at most 1, 2 and 3 sentences how many name the same ends, how many name the same ends
-or ones that the model by hand finds exactly as telling (within 1e-9 nats), and how many tell the
-listener by hand as much, but for what that one takes for a filler (its `min_gain`). With -v each
-pair that differs.
+or ones that the model by hand finds exactly as telling (within 1e-9 nats), how many tell the
+listener by hand as much, but for what that one takes for a filler (its `min_gain`, 0.02 nats if
+the model says nothing else), and how many nats less the others tell, in the mean and at most.
+With -v each pair that differs.
 """
 
 import contextlib
@@ -18,6 +19,7 @@ import tempfile
 from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
+from statistics import mean
 
 import pandas as pd
 
@@ -47,7 +49,7 @@ def main(folders: list[str], verbose: bool) -> None:
                     tell(robot, [goal.name for goal in pair], drafts[-1])
             rows.append(row(robot, drafts))
     headers = ['robot', 'pairs', 'all goals', 'facts found', 'proposed']
-    headers += ['same ends', 'same or a tie', 'but a filler']
+    headers += ['same ends', 'same or a tie', 'but a filler', 'nats less, mean', 'at most']
     print(markdown_table(pd.DataFrame(rows, columns=headers)))
 
 
@@ -66,6 +68,7 @@ def row(robot: Robot, drafts: list[Drafted]) -> list[object]:
         f'{min(draft.found for draft in drafts)} of {by_hand}',
         max(draft.proposed for draft in drafts),
         *(counts(robot, drafts, criterion) for criterion in criteria),
+        *(losses(robot, drafts, summary) for summary in (mean, max)),
     ]
 
 
@@ -77,6 +80,13 @@ def counts(
     """Return how many drafts' answers fulfil a criterion, with 1, 2 and 3 sentences."""
     judged = zip(*(map(criterion, draft.answers, robot.answers) for draft in drafts), strict=True)
     return ', '.join(str(sum(answers)) for answers in judged)
+
+
+def losses(robot: Robot, drafts: list[Drafted], summary: Callable[[list[float]], float]) -> str:
+    """Return what the answers lose with 1, 2 and 3 sentences, of those that lose a filler more."""
+    lost = zip(*(map(robot.loss, draft.answers, robot.answers) for draft in drafts), strict=True)
+    more = [[nats for nats in number if nats > filler(robot)] for number in lost]
+    return ', '.join(f'{summary(nats):.2f}' if nats else '–' for nats in more)
 
 
 def filler(robot: Robot) -> float:

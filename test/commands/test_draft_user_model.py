@@ -1,5 +1,6 @@
 """A user model drafted from a robot's own texts: what is in it, and that it is taken as it is."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -127,7 +128,8 @@ def test_facts_that_are_more_than_are_written_are_counted(barn, tmp_path, monkey
 
 def test_where_the_robot_is_back_stays_in_all_patterns(barn, tmp_path):
     _, model = drafted(barn, tmp_path)
-    assert [entry['goal'] for entry in model['goals']] == ['(and (fetched {place}) (at aisle))']
+    assert model['goals'][0]['goal'] == '(and (fetched {place}) (at aisle))'
+    assert all('(at aisle)' in entry['goal'] for entry in model['goals'])
 
 
 def test_a_name_with_a_number_is_two_words(barn, tmp_path):
@@ -169,7 +171,7 @@ def test_patterns_of_which_no_goal_can_be_reached_are_comments(tmp_path):
     text, model = drafted(options, tmp_path)
     # No letter can be in two rooms, but a room may have two letters.
     nowhere = '(and (in {letter} {room}) (in {letter} {room2}))'
-    assert f"# - {{goal: '{nowhere}'" in text
+    assert re.search(f"# - {{.*goal: '{re.escape(nowhere)}'", text)
     taken = [entry['goal'] for entry in model['goals']]
     assert nowhere not in taken
     assert '(and (in {letter} {room}) (in {letter2} {room}))' in taken
@@ -199,13 +201,13 @@ def test_goals_seen_come_by_their_frequency(park, tmp_path):
     assert weights['(and (watered roses) (emptied red_bin))'] == 1.0
     # Two different goals of two forms: as much is new in each form as one goal, and one
     # more for the form itself. A bed alone has a part less than the robot's own goal: half of
-    # 0.3 for that, since it might be the other part as well.
+    # 0.3 for that, since it might be the other part as well; and half of 0.3 as one thing alone.
     assert weights['(and (watered {bed}) (emptied {bin}))'] == 2.0
-    assert weights['(watered {bed})'] == pytest.approx(2.15)
+    assert weights['(watered {bed})'] == pytest.approx(2.3)
     # The own goal with a part less: once where its form was seen, else 0.3. There is but one
-    # bin: half of 0.3 more, since it stands for its form.
+    # bin: half of 0.3 more for each of the two, since it stands for its form.
     assert weights['(watered roses)'] == 1.0
-    assert weights['(emptied red_bin)'] == pytest.approx(0.45)
+    assert weights['(emptied red_bin)'] == pytest.approx(0.6)
 
 
 def test_what_all_goals_seen_have_is_not_taken_away(park, tmp_path):
@@ -258,9 +260,9 @@ def test_a_wider_pattern_takes_the_place_of_a_narrower_one():
     task = read_task(domain, problem)
     world = World(task)
     found = candidates(world, world.parts('(mopped kitchen)'), {'(mopped hall)': 1})
-    wide = [c for c in found if c.pattern.types]
-    # Two different goals of one form: 1 each, and 1 for the form.
-    assert [(c.pattern.where, c.weight, c.count) for c in wide] == [(('(room {object})',), 3.0, 3)]
+    [wide] = [c for c in found if c.pattern.goal == '(mopped {object})']
+    # Two different goals of one form: 1 each, and 1 for the form; 0.3 as one thing alone.
+    assert (wide.pattern.where, wide.weight, wide.count) == (('(room {object})',), 3.3, 3)
 
 
 def test_one_object_may_have_the_place_of_two():
@@ -281,6 +283,62 @@ def test_one_object_may_have_the_place_of_two():
     # Two of three towers in either mode, and one tower in both.
     assert len(goals) == 3 * 2 + 3
     assert frozenset(['(taken t1 colour)', '(taken t3 colour)']) in goals
+
+
+def goals_of(task, why: str, seen=()) -> set[frozenset[str]]:
+    """Return the goals, by their parts, that are candidates for this reason."""
+    world = World(task)
+    found = candidates(world, world.parts(task.goal_text), dict.fromkeys(seen, 1))
+    return {frozenset(g) for c in found if c.why == why for g in world.goals(c.pattern)}
+
+
+def test_two_or_all_of_a_kind_are_candidates_beside_what_all_goals_have():
+    domain = """(define (domain garden) (:requirements :strips :typing) (:types lawn)
+      (:predicates (mown ?l - lawn) (edged ?l - lawn) (docked))
+      (:action mow :parameters (?l - lawn) :effect (mown ?l))
+      (:action edge :parameters (?l - lawn) :effect (edged ?l)) (:action dock :effect (docked)))"""
+    problem = """(define (problem p) (:domain garden) (:objects front back orchard - lawn)
+      (:init) (:goal (and (mown back) (edged back) (docked))))"""
+    task = read_task(domain, problem)
+    seen = ['(and (mown front) (docked))']
+
+    two = goals_of(task, 'two of a kind', seen)
+    every = goals_of(task, 'all of a kind', seen)
+
+    assert frozenset(['(mown front)', '(mown back)', '(docked)']) in two
+    lawns = ('front', 'back', 'orchard')
+    assert frozenset(['(docked)', *(f'(mown {lawn})' for lawn in lawns)]) in every
+
+
+def test_what_is_made_for_its_own_sake_is_a_candidate_though_never_seen():
+    own = '(mopped hall)'
+    task = read_task(CLEANER, FLAT.replace('(and (mopped kitchen) (washed pail))', own))
+
+    never = goals_of(task, 'never seen, but no other action needs it')
+
+    # What `wash` asks for is asked for here: no room is washed.
+    assert never == {frozenset(['(washed brush)']), frozenset(['(washed pail)'])}
+
+
+def test_an_object_may_be_exchanged_for_one_of_another_type_that_actions_take_there():
+    domain = """(define (domain bar) (:requirements :strips :typing)
+      (:types drink - object shaken stirred - drink) (:predicates (served ?d - drink))
+      (:action serve :parameters (?d - drink) :effect (served ?d)))"""
+    task = read_task(
+        domain,
+        """(define (problem p) (:domain bar) (:objects margarita - shaken martini - stirred)
+        (:init) (:goal (served margarita)))""",
+    )
+    assert frozenset(['(served martini)']) in goals_of(task, 'like its own')
+
+
+def test_goals_are_called_by_what_brings_them_about(park, tmp_path):
+    seen = tmp_path / 'seen.yaml'
+    seen.write_text('(watered lilies)')
+    _, model = drafted([*park, '--goals-seen', str(seen)], tmp_path)
+    names = {entry['goal']: entry.get('name') for entry in model['goals']}
+    assert names['(and (watered {bed}) (emptied {bin}))'] == 'water {bed} and empty {bin}'
+    assert names['(watered lilies)'] == 'water the lilies'
 
 
 def test_a_file_of_goals_seen_that_is_broken_is_told(park, tmp_path, capsys):
@@ -337,9 +395,9 @@ def test_of_very_many_goals_seen_the_most_frequent_give_patterns_and_it_is_said(
     found = candidates(world, world.parts(task.goal_text), seen)
     patterns = [candidate for candidate in found if candidate.pattern.types]
     assert len(found) - len(patterns) == 1 + len(seen)
-    assert len(patterns) == MOST_LIFTED
-    assert {c.why for c in patterns} == {f'like the {MOST_LIFTED} most frequent of these'}
-    assert not any(predicates[0] in c.pattern.goal for c in patterns)
+    like = [c for c in patterns if c.why == f'like the {MOST_LIFTED} most frequent of these']
+    assert len(like) == MOST_LIFTED
+    assert not any(f'({predicates[0]} ' in c.pattern.goal for c in patterns)
 
 
 def test_of_a_list_of_tasks_none_is_exchanged_for_another(tmp_path):

@@ -6,6 +6,7 @@ import yaml
 
 from mirror_explainer.commands.drafting.facts import Doubts
 from mirror_explainer.commands.drafting.goals import Candidate
+from mirror_explainer.commands.drafting.naming import Naming
 from mirror_explainer.commands.drafting.words import Words
 from mirror_explainer.listener.phrases import Phrases
 
@@ -14,20 +15,20 @@ def document(
     candidates: Sequence[Candidate],
     doubts: Doubts,
     true: frozenset[str],
-    words: Words,
+    naming: Naming,
     rationality: float,
 ) -> str:
     """Return the text of the user model. `true` are the facts that hold."""
     sections = [
-        _goals(candidates),
+        _goals(candidates, naming),
         _facts(doubts, true),
         _rationality(rationality),
-        _words(words),
+        _words(naming.words),
     ]
     return '\n'.join(sections)
 
 
-def _goals(candidates: Sequence[Candidate]) -> str:
+def _goals(candidates: Sequence[Candidate], naming: Naming) -> str:
     lines = [
         '# What the robot might be doing, by how often it does it. "for" has a type for each',
         '# {variable}. Check: are these its tasks, and do "for" and "where" leave any out? Beside',
@@ -36,7 +37,9 @@ def _goals(candidates: Sequence[Candidate]) -> str:
     ]
     last = ''
     for candidate in candidates:
-        entry: dict[str, object] = {'goal': candidate.pattern.goal}
+        name = naming.of(candidate.pattern)
+        entry: dict[str, object] = {'name': name} if name else {}
+        entry['goal'] = candidate.pattern.goal
         if candidate.pattern.types:
             entry['for'] = dict(candidate.pattern.types)
         if candidate.pattern.where:

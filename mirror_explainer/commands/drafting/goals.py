@@ -1,7 +1,8 @@
 """Candidate goals: the robot's own and those seen, and what is like them."""
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mirror_explainer.commands.drafting.patterns import Pattern, World, kind_of
 
@@ -64,6 +65,12 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
             _add(world, found, world.like(fewer), 'with a part less', _NEARLY / len(parts))
     for parts in lifted:
         _add(world, found, world.with_one_twice(parts), 'with one object for two', _NEARLY)
+    known = often if seen else ()
+    pairs = [pair for fewer in less[tuple(own)] for pair in _without_one(world, fewer, known)]
+    for fewer in {frozenset(parts): parts for parts in pairs}.values():
+        _add(world, found, world.like(fewer), 'with two parts less', _NEARLY**2 / len(pairs))
+    for why, patterns in _of_one_kind(world, lifted, known).items():
+        _add(world, found, patterns, why, _NEARLY)
     return list(_bounded(world, found))
 
 
@@ -115,6 +122,36 @@ def _bounded(world: World, found: Mapping[Pattern, tuple[float, str]]) -> Iterat
         total += 0 if is_too_much else count
         left_out = 'too many beside the others; choose' if is_too_much else ''
         yield Candidate(pattern, weight, count, why, left_out)
+
+
+def _of_one_kind(
+    world: World, goals: Sequence[tuple[str, ...]], often: Collection[tuple[str, ...]]
+) -> dict[str, list[Pattern]]:
+    """Return patterns of one kind of part, beside what all the goals seen have, by what they are.
+
+    First of the kinds in some goals, the robot's own first; then of what no goal has, some
+    action makes true and none needs: that is made for its own sake.
+    """
+    each_part = {part for parts in often for part in parts}
+    times = Counter(map(kind_of, each_part))
+    in_all = set.intersection(*map(set, often)) if len(often) > 1 else set()
+    always = {part for part in in_all if times[kind_of(part)] == 1}
+    kept = tuple(part for part in goals[0] if world.holds(part) or part in always)
+    kinds = {kind_of(part): part for parts in reversed(goals) for part in parts[::-1]}
+    left = [part for part in kinds.values() if part not in kept]
+    alone = [pattern for part in left for pattern in world.like((part, *kept)) if pattern.types]
+    seen = {kind.strip('()') for kind in kinds}
+    new = [world.end(predicate) for predicate in world.ends if predicate not in seen]
+    return {
+        'one thing alone': alone,
+        'two of a kind': [both for pattern in alone for both in world.twice(pattern)],
+        'all of a kind': [all_ for pattern in alone for all_ in world.all_of(pattern)],
+        'never seen, but no other action needs it': [
+            replace(pattern, parts=(*pattern.parts, *kept))
+            for pattern in new
+            if pattern.types or not world.holds(pattern.goal)
+        ],
+    }
 
 
 def _without_one(

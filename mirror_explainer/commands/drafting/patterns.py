@@ -1,10 +1,12 @@
 """Patterns of goals: what one goal tells of its like, by exchanging its objects.
 
-A goal is lifted to variables over the types of its objects. What never changes and holds
-between them ("goes on", "belongs to") is asked of the others as well, so that few choices
-make no sense; likewise what some of a type are ("is a room"), if more than one is.
+A goal is lifted to variables over the types that actions take in the places of its objects.
+What never changes and holds between them ("goes on", "belongs to") is asked of the others as
+well, so that few choices make no sense; likewise what some of a type are ("is a room"), if more
+than one is.
 """
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,11 +16,14 @@ import unified_planning.model as up
 
 from mirror_explainer.listener.goals import parts_of
 from mirror_explainer.listener.sentences import DONE_TYPE, doings
-from mirror_explainer.pddl import Task, goal_expression, words_of
-from mirror_explainer.pddl.atoms import effects_in
+from mirror_explainer.pddl import Task, conjuncts, goal_expression, words_of
+from mirror_explainer.pddl.atoms import effects_in, fluents_in
 
 # A pattern with more choices than this is cut into ones with fewer variables.
 MOST_CHOICES = 350
+# With more objects than this nothing is expected to be done to all of them.
+_MOST_AT_ONCE = 8
+_ATOM = re.compile(r'\(([^()]+)\)')
 
 
 @dataclass(frozen=True)
@@ -58,6 +63,44 @@ class World:
         for kind in self.task.model.user_types:
             found[kind.name] = [item.name.lower() for item in self.task.model.objects(kind)]
         return found
+
+    @cached_property
+    def _made(self) -> dict[str, list[tuple[str, ...]]]:
+        """The types of the objects that actions make each predicate true of."""
+        made: dict[str, list[tuple[str, ...]]] = {}
+        for action in self.task.model.actions:
+            for effect in effects_in(action):
+                if effect.value.is_true():
+                    kinds = tuple(map(type_name, effect.fluent.args))
+                    made.setdefault(effect.fluent.fluent().name.lower(), []).append(kinds)
+        return made
+
+    def _widest(self, item: str, parts: Sequence[str]) -> str:
+        """Return the widest type that actions take in all places of an object in a goal."""
+        kinds = [self.types[item]]
+        for predicate, *objects in map(str.split, _ATOM.findall(' '.join(parts))):
+            for place in (place for place, other in enumerate(objects) if other == item):
+                made = {kinds[place] for kinds in self._made.get(predicate, ())}
+                able = [kind for kind in made if item in self.of_type[kind]]
+                kinds += [max(able, key=self._size)] if able else []
+        return min(kinds[1:] or kinds, key=self._size)
+
+    def _size(self, kind: str) -> tuple[int, str]:
+        return len(self.of_type[kind]), kind
+
+    @cached_property
+    def ends(self) -> list[str]:
+        """The predicates that some action makes true and none needs: they are made for goals."""
+        needed = {
+            fluent.name.lower()
+            for action in self.task.model.actions
+            for fluent in fluents_in(
+                *action.preconditions, *(effect.condition for effect in effects_in(action))
+            )
+        }
+        if axioms := self.task.axioms:
+            needed |= axioms.basis(axioms.names)
+        return [predicate for predicate in self._made if predicate not in needed]
 
     @cached_property
     def changing(self) -> frozenset[str]:
@@ -100,19 +143,19 @@ class World:
     def lifted(self, parts: Sequence[str], fixed: Collection[str] = ()) -> Pattern:
         """Return the pattern of a goal's parts, whose objects vary but for the fixed ones."""
         names: dict[str, str] = {}
+        kinds: dict[str, str] = {}
         for part in parts:
             for word in _words(part):
                 if word in self.types and word not in names and word not in fixed:
-                    kind = self.types[word]
-                    number = sum(self.types[other] == kind for other in names) + 1
-                    names[word] = f'{{{kind}}}' if number == 1 else f'{{{kind}{number}}}'
+                    kinds[word] = self._widest(word, parts)
+                    names[word] = _variable(kinds[word], names.values())
         where = sorted(
             _renamed(fact, names)
             for fact in self.static_facts
             if (objects := set(words_of(fact)[1:])) and objects <= names.keys()
             if len(objects) > 1 or self._shared(*words_of(fact)[:2])
         )
-        types = tuple((name.strip('{}'), self.types[item]) for item, name in names.items())
+        types = tuple((name.strip('{}'), kinds[item]) for item, name in names.items())
         return Pattern(tuple(_renamed(part, names) for part in parts), types, tuple(where))
 
     def _shared(self, predicate: str, item: str) -> bool:
@@ -156,6 +199,60 @@ class World:
                 if sensible and 0 < self.count(merged) <= MOST_CHOICES:
                     found.append(merged)
         return found
+
+    def twice(self, pattern: Pattern) -> list[Pattern]:
+        """Return the pattern of two different goals of a pattern at once, if they are not many."""
+        first = [f'{{{variable}}}' for variable, _ in pattern.types]
+        again: dict[str, str] = {}
+        for name, (_, kind) in zip(first, pattern.types, strict=True):
+            again[name] = _variable(kind, [*first, *again.values()])
+        parts, types, where = (
+            tuple(dict.fromkeys([*once, *more]))
+            for once, more in (
+                (pattern.parts, [_renamed(part, again) for part in pattern.parts]),
+                (pattern.types, [(again[f'{{{v}}}'].strip('{}'), k) for v, k in pattern.types]),
+                (pattern.where, [_renamed(condition, again) for condition in pattern.where]),
+            )
+        )
+        both = Pattern(tuple(sorted(parts, key=lambda part: '{' not in part)), types, where)
+        return [both] if 0 < self.count(both) <= MOST_CHOICES else []
+
+    def all_of(self, pattern: Pattern) -> list[Pattern]:
+        """Return the goal of all of a pattern's goals, more than two, at once, if they are few.
+
+        They are told apart by one variable.
+        """
+        each = dict.fromkeys(part for goal in self.goals(pattern) for part in goal)
+        parts = tuple(sorted(each, key=lambda part: part in pattern.parts))
+        few = len(pattern.types) == 1 and 2 < self.count(pattern) <= _MOST_AT_ONCE
+        return [Pattern(parts)] if few else []
+
+    def end(self, predicate: str) -> Pattern:
+        """Return the pattern of what actions make true of a predicate, the one for most objects.
+
+        What never changes is asked of the objects as the action does.
+        """
+        found = []
+        for action in self.task.model.actions:
+            conditions = [atom for given in action.preconditions for atom in conjuncts(given)]
+            for effect in effects_in(action):
+                made = effect.fluent
+                if made.fluent().name.lower() == predicate and effect.value.is_true():
+                    names: dict[str, str] = {}
+                    for term in (term for term in made.args if not term.is_object_exp()):
+                        names.setdefault(str(term), _variable(type_name(term), names.values()))
+                    types = {str(term): type_name(term) for term in made.args}
+                    where = [
+                        _ground(atom, names)
+                        for atom in conditions
+                        if atom.is_fluent_exp()
+                        and atom.fluent().name.lower() not in self.changing
+                        and {str(term) for term in atom.args} & names.keys()
+                        and {str(term) for term in atom.args} <= types.keys()
+                    ]
+                    variables = tuple((name.strip('{}'), types[t]) for t, name in names.items())
+                    found.append(Pattern((_ground(made, names),), variables, tuple(where)))
+        return max(found, key=self.count)
 
     def _kinds(self, objects: Sequence[str]) -> list[str]:
         return list(dict.fromkeys(self.types[item] for item in objects))
@@ -204,8 +301,8 @@ class World:
         return all('{' in condition or condition in self.static_facts for condition in ground)
 
 
-def type_name(typed: up.Object | up.Parameter) -> str:
-    """Return the name of an object's or a parameter's own type."""
+def type_name(typed: up.Object | up.Parameter | up.FNode) -> str:
+    """Return the name of the own type of an object, a parameter or a term."""
     return typed.type.name if typed.type.is_user_type() else 'object'
 
 
@@ -218,6 +315,20 @@ def _renamed(text: str, names: Mapping[str, str]) -> str:
     """Return a text with its words replaced by the names they have there."""
     renamed = ' '.join(names.get(word, word) for word in _words(text))
     return renamed.replace('( ', '(').replace(' )', ')')
+
+
+def _ground(atom: up.FNode, names: Mapping[str, str]) -> str:
+    """Return an atom as text, with its parameters renamed."""
+    words = [atom.fluent().name, *(names.get(str(term), str(term)) for term in atom.args)]
+    return f'({" ".join(words)})'.lower()
+
+
+def _variable(kind: str, taken: Collection[str]) -> str:
+    """Return a variable for an object of a type: "{place}", or "{place2}" beside it."""
+    number = 1
+    while (name := f'{{{kind}{number if number > 1 else ""}}}') in taken:
+        number += 1
+    return name
 
 
 def _variables(text: str) -> set[str]:
