@@ -25,7 +25,7 @@ from mirror_explainer.experiments.understanding.tasks import DrawnTask, own_task
 from mirror_explainer.planning import Planner
 
 _TIMEOUT = 30.0  # s, for one plan
-_VERSION = 2  # of what is measured: results of another one are measured anew
+_VERSION = 3  # of what is measured: results of another one are measured anew
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
