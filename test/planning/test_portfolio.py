@@ -1,6 +1,5 @@
 """Each search of the portfolio finds the optimal costs, on whatever is left of a task."""
 
-import itertools
 import os
 from pathlib import Path
 from random import Random
@@ -14,7 +13,6 @@ from plain_downward import plain_costs
 
 from mirror_explainer.experiments.planning.cases import every_belief
 from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
-from mirror_explainer.planning.downward.ground_task import GroundTask, Operator
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.translations import Translations
@@ -22,7 +20,6 @@ from mirror_explainer.planning.downward.portfolio import FIRST_TRY, PLAIN, Try, 
 from mirror_explainer.planning.downward.program import Search, downward, find_downward
 from mirror_explainer.planning.downward.subject import Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
-from mirror_explainer.planning.downward.what_matters import GoalTask
 
 SPACES = -(-int(os.environ.get('MIRROR_EXPLAINER_BELIEFS', '320')) // 40)
 FOREVER = 1000.0  # s
@@ -152,21 +149,3 @@ def test_the_time_in_which_a_search_does_not_work_does_not_count(tmp_path: Path)
         [result] = planner.plan(TOOLS, [Belief(0)]).results
 
     assert result.plans[0].cost == 7 + 1
-
-
-def test_a_lift_stops_only_where_somebody_waits_or_wants_to_go() -> None:
-    def move(start: int, end: int, cost: int = 1) -> Operator:
-        return Operator(f'(move f{start} f{end})', ((0, start),), ((0, end),), cost)
-
-    floors = range(4)
-    moves = [move(a, b) for a, b in itertools.permutations(floors, 2) if (a, b) != (1, 3)]
-    enter = Operator('(enter)', ((0, 1), (1, 0)), ((1, 1),), 1)
-    leave = Operator('(leave)', ((0, 3), (1, 1)), ((1, 2),), 1)
-    task = GroundTask((*moves, enter, leave), (4, 3))
-
-    kept = {operator.name for operator in GoalTask(task, ((1, 2),)).operators}
-
-    # By floor 0 or 2 only from floor 1, from where no move leads to floor 3.
-    stops = {'(move f1 f0)', '(move f1 f2)'}
-    ends = {operator.name for operator in moves if operator.effect[0][1] in (1, 3)}
-    assert kept == ends | stops | {'(enter)', '(leave)'}

@@ -39,11 +39,12 @@ class Operator:
 class GroundTask:
     """The operators of a task, for every initial state and goal.
 
-    Variable v has `sizes[v]` values.
+    Variable v has `sizes[v]` values. Of the facts in one of `mutexes` one at most is ever true.
     """
 
     operators: tuple[Operator, ...]
     sizes: tuple[int, ...] = ()
+    mutexes: tuple[frozenset[Fact], ...] = ()
 
     @cached_property
     def _by_name(self) -> dict[str, list[Operator]]:

@@ -67,7 +67,7 @@ class SupersetWalk:
         self._goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
         self._goal_tasks = {
-            index: GoalTask(grounding.task, goal)
+            index: GoalTask(grounding.task, goal, gain=0)
             for index in {belief.goal for belief in beliefs}
             if (goal := grounding.goals[index]) is not None
         }

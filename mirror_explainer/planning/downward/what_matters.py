@@ -9,6 +9,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 
+from mirror_explainer.planning.downward.dispensable import indispensable
 from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
 from mirror_explainer.planning.downward.search_task import Numbering, SearchTask
 
@@ -16,13 +17,17 @@ from mirror_explainer.planning.downward.search_task import Numbering, SearchTask
 class GoalTask:
     """One goal of a ground task: what matters to it, from each initial state.
 
-    `operators` are those that can help; nothing but `variables` matters.
+    `operators` are those that can help, and cannot be dispensed with at this `gain` in cost:
+    with 1 every optimal plan stays one, with 0 it is enough that one does. Nothing but
+    `variables` matters.
     """
 
-    def __init__(self, task: GroundTask, goal: tuple[Fact, ...]) -> None:
+    def __init__(self, task: GroundTask, goal: tuple[Fact, ...], gain: int = 1) -> None:
         self.goal = goal
-        self.operators = helpful(_without_stops(helpful(task.operators, goal), goal), goal)
-        self.variables = {v for o in self.operators for v in o.needs} | {v for v, _ in goal}
+        needed = helpful(task.operators, goal)
+        self.variables = {v for o in needed for v in o.needs} | {v for v, _ in goal}
+        left = indispensable(needed, goal, task.mutexes, gain)
+        self.operators = helpful(left, goal) if len(left) < len(needed) else needed
         self._sizes = task.sizes
         self._relaxation = Relaxation(self.operators)
 
@@ -59,47 +64,6 @@ def helpful(operators: Sequence[Operator], goal: Iterable[Fact]) -> list[Operato
                 needed |= new
                 open_facts += new
     return [operators[index] for index in sorted(found)]
-
-
-def _without_stops(operators: Sequence[Operator], goal: Iterable[Fact]) -> list[Operator]:
-    """Leave out moves to where one can only move on, if one can as well move on from before.
-
-    A lift need not stop where nobody waits or wants to go: one move is cheaper than two.
-    """
-    onward: dict[Fact, dict[Fact, list[Operator]]] = defaultdict(lambda: defaultdict(list))
-    wanted = set(goal)
-    for operator in operators:
-        move = _as_move(operator)
-        if move:
-            onward[move[0]][move[1]].append(operator)
-        wanted.update(fact for fact in operator.condition if not move or fact != move[0])
-
-    def needless(into: Operator) -> bool:
-        move = _as_move(into)
-        if move is None or move[1] in wanted:
-            return False
-        before, stop = move
-        return all(
-            any(
-                direct.cost < into.cost + on.cost
-                and on.needs.items() >= direct.needs.items() - {before}
-                for direct in onward[before][there]
-            )
-            for there, operators in onward[stop].items()
-            if there != before
-            for on in operators
-        )
-
-    return [operator for operator in operators if not needless(operator)]
-
-
-def _as_move(operator: Operator) -> tuple[Fact, Fact] | None:
-    """Return from which value to which an operator changes its one variable, or None."""
-    if len(operator.changes) != 1:
-        return None
-    [(variable, value)] = operator.changes.items()
-    before = operator.needs.get(variable)
-    return None if before is None else ((variable, before), (variable, value))
 
 
 class Relaxation:

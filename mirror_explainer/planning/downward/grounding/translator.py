@@ -280,7 +280,8 @@ def _ground_task(sas: sas_tasks.SASTask) -> GroundTask:
         )
         for operator in sas.operators
     )
-    return GroundTask(tuple(operators), tuple(sas.variables.ranges))
+    mutexes = tuple(frozenset(group.facts) for group in sas.mutexes)
+    return GroundTask(tuple(operators), tuple(sas.variables.ranges), mutexes)
 
 
 def _unique(facts: Iterable[Fact]) -> Iterable[Fact]:
