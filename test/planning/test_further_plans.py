@@ -442,6 +442,21 @@ def test_first_plans_stay_known_when_time_ran_out_for_more(
     assert again == first
 
 
+def test_what_takes_too_long_under_more_facts_is_tried_shortly_under_fewer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limits = tmp_path / 'limits'
+    limited = f'while [ $(ulimit -t) = unlimited ]; do :; done; ulimit -t >> {limits}'
+    kstar_is(f'{limited}; while :; do :; done', tmp_path, monkeypatch)
+    space = errands(1, 2)
+    with Planner(planning_timeout=1.05) as planner:
+        report = planner.plan(space, every_belief(space), plans_per_belief=5)
+
+    assert {result.cut for result in report.results} == {'time'}
+    # Whole seconds, and 10 s of grace: of all facts, of one fact each, of none.
+    assert limits.read_text().split() == ['12', '11', '11', '11']
+
+
 WRITE = 'f=$(echo "$*" | sed "s/.*json_file_to_dump=//; s/,.*//")\necho %s > $f'
 
 

@@ -54,6 +54,8 @@ class _Job:
         """Decide on the next search, and say whether there is one."""
         if self.input is not None:
             self.now = next_try(self.input.members, self.lesson, self.tried, self.left)
+        if self.now is not None and self.subject.hopeless and not self.tried:
+            self.now = replace(self.now, seconds=min(self.now.seconds, _HOPELESS))
         return self.now is not None
 
 
