@@ -8,6 +8,7 @@ plain entries only.
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -83,7 +84,8 @@ def _entries(
         if loose and _NAME.fullmatch(loose[1]):
             reason = f'{loose[0]} needs a type, by for: {{{loose[1]}: the type}} in the same entry'
             raise InputError(key, reason)
-        written_goals.note(entry)
+        if choices and key == 'goal':
+            written_goals.note(entry, choices.task)
         return [entry]
     rest = {name: value for name, value in entry.items() if name not in _KEYS}
     kinds, where, text = entry.get('for'), entry.get('where', ''), entry.get(key)
@@ -131,13 +133,14 @@ class _Goals:
     """
 
     called: Mapping[str, str]
-    by_text: dict[str, dict[str, Any]] = field(default_factory=dict)
     by_meaning: dict[Any, dict[str, Any]] = field(default_factory=dict)
 
-    def note(self, entry: Any) -> None:
-        """Take note of an entry that is no pattern."""
+    def note(self, entry: Any, task: Task) -> None:
+        """Take note of an entry that is no pattern, if it has a goal of this task."""
         if isinstance(entry, dict) and isinstance(entry.get('goal'), str):
-            self.by_text.setdefault(entry['goal'], entry)
+            with suppress(InputError):  # told where entries are checked
+                expression = goal_expression(task.model, entry['goal'])
+                self.by_meaning.setdefault(frozenset(parts_of(expression, task.model)), entry)
 
     def of(
         self, entry: Mapping[str, Any], chosen: Sequence[Mapping[str, str]], task: Task
@@ -160,7 +163,7 @@ class _Goals:
         for meaning, goal in goals.items():
             if weighted:
                 goal['probability'] = weight / len(goals)
-            known = self.by_meaning.get(meaning) or self.by_text.get(goal['goal'])
+            known = self.by_meaning.get(meaning)
             if known is None:
                 self.by_meaning[meaning] = goal
                 new.append(goal)

@@ -90,6 +90,14 @@ def test_what_two_patterns_stand_for_is_one_goal_with_both_shares(read):
     assert shares['(shown faun west)'] == 0.5  # 3/3 of the first and 1 of the second, of 4
 
 
+def test_a_goal_and_one_of_a_pattern_in_another_order_are_one(read):
+    model = read("""goals:
+      - {goal: "(and (shown dusk west) (shown faun west))", probability: 1}
+      - {goal: "(and (shown faun west) (shown {p} west))", for: {p: painting}, probability: 2}""")
+    # Half of the second is the first, the other half a picture of its own, of 3.
+    assert [goal.probability for goal in model.goals] == pytest.approx([2 / 3, 1 / 3])
+
+
 def test_before_the_task_is_known_patterns_of_one_text_are_no_duplicates(model_file):
     text = """goals:
       - {goal: "(shown faun {r})", for: {r: room}, where: "(lit {r})"}

@@ -24,7 +24,8 @@ WALK = (
 
 def robot(actions: str, predicates: str, objects: str, init: str = '') -> Task:
     """Return a task with these parts of a domain and of a problem."""
-    types = 'room bay level - object storey - room thing lamp robot person film gate - object'
+    kinds = 'thing lamp robot person horse film gate'
+    types = f'room bay level - object storey - room {kinds} - object'
     return read_task(
         f'(define (domain d) (:requirements :strips :typing :negative-preconditions)'
         f'(:types {types}) (:predicates {predicates}) {actions} {WALK})',
@@ -43,12 +44,12 @@ PREDICATES = (
     '(at ?r - room) (in ?r - room) (on-shelf ?t - thing ?r - room) (held ?t - thing) (hand-free)'
     '(stored ?t - thing ?b - bay) (bay-free ?b - bay) (lit ?l - lamp) (charged) (fuel ?l - level)'
     '(shown ?t - thing ?f - film) (greeted ?p - person) (given ?t - thing ?p - person)'
-    '(passed ?g - gate) (seen ?r - room) (gate-open ?a ?b - room)'
+    '(passed ?g - gate) (seen ?r - room) (gate-open ?a ?b - room) (fed ?h - horse)'
 )
 OBJECTS = (
     'big_hall cold-store - room level_0 - storey red_Mug tin7 - thing bay_1 - bay '
     'desk_lamp - lamp full half - level Ms_Ito anna nurse - person colour - film '
-    'east_gate - gate x - room'
+    'east_gate - gate x - room bella - horse'
 )
 MOVE = '(not (at ?a)) (at ?b)'
 
@@ -100,6 +101,7 @@ SPOKEN = [
     ),
     (action('greet', '?p - person', '(greeted ?p)'), 'ms_ito', 'greet Ms Ito'),
     (action('greet', '?p - person', '(greeted ?p)'), 'anna', 'greet anna'),
+    (action('feed', '?h - horse', '(fed ?h)'), 'bella', 'feed bella'),
     (
         action('hand_over', '?t - thing ?p - person', '(given ?t ?p) (not (held ?t))'),
         'red_mug nurse',
