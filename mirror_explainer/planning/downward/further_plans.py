@@ -6,13 +6,12 @@ in another order are one observation to the listener.
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from random import Random
 
-from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
+from mirror_explainer.planning.beliefs import BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Actions, GroundTask
-from mirror_explainer.planning.downward.portfolio import Try
 from mirror_explainer.planning.downward.program import PLAN_FILE
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
@@ -43,28 +42,6 @@ def _configuration(count: int) -> str:
     )
 
 
-@dataclass(eq=False)
-class SolvedTask:
-    """A node of the walk that has a plan, and what is known of its others.
-
-    `parents` have more facts; `open_parents` of them are not looked at yet.
-    """
-
-    node: Node
-    plan: Actions
-    parents: list['SolvedTask'] = field(default_factory=list)
-    children: list['SolvedTask'] = field(default_factory=list)
-    open_parents: int = 0
-    found: Finding | None = None
-    hopeless: bool = False
-    lesson: Try | None = None
-
-    @property
-    def members(self) -> list[Belief]:
-        """The beliefs that are this task."""
-        return self.node.members
-
-
 class FurtherPlans:
     """Finds up to `most` optimal plans, up to order, for each node that a walk has solved."""
 
@@ -77,37 +54,38 @@ class FurtherPlans:
         self._count = max(most + 1, _SAMPLED)
         self._members = (_configuration(self._count),)
         self._goal_tasks: dict[int, GoalTask] = {}
-        solved = {node: SolvedTask(node, plan) for node, plan in walk.optimal() if plan}
-        for node, task in solved.items():
-            task.parents = [solved[parent] for parent in node.parents if parent in solved]
-            task.open_parents = len(task.parents)
-            for parent in task.parents:
-                parent.children.append(task)
-        self.ready = deque(task for task in solved.values() if not task.open_parents)
+        self._found: dict[Node, Finding | None] = {}
+        self._plan = {node: plan for node, plan in walk.optimal() if plan}
+        self._open_parents = {
+            node: sum(parent in self._plan for parent in node.parents) for node in self._plan
+        }
+        for node in self._plan:
+            node.hopeless, node.lesson = False, None  # by other searches
+        self.ready = deque(node for node in self._plan if not self._open_parents[node])
 
-    def known(self, task: SolvedTask) -> Finding | None:
+    def known(self, node: Node) -> Finding | None:
         """Return what needs no search: mostly the plans under more facts, if all work here.
 
         What is as good under fewer facts is so under more: there are no others, then.
         """
         if self._task is None:  # the costs are too large to search for more
-            return Finding((task.plan,), all=False)
-        for parent in task.parents:
-            if parent.found and self._all_work(task.node, parent.found.plans):
-                return parent.found
-        task.hopeless = any(parent.hopeless for parent in task.parents)
+            return Finding((self._plan[node],))
+        for parent in node.parents:
+            found = self._found.get(parent)
+            if found and self._all_work(node, found.plans):
+                return found
+        node.hopeless = any(p.hopeless for p in node.parents if p in self._plan)
         return None
 
-    def search_input(self, task: SolvedTask) -> SearchInput:
+    def search_input(self, node: Node) -> SearchInput:
         """Return what matters of the node's task, with no free actions."""
-        goal = task.node.goal
-        if goal not in self._goal_tasks:
+        if node.goal not in self._goal_tasks:
             assert self._task is not None, 'else all is known'
-            self._goal_tasks[goal] = GoalTask(self._task, self._walk.goal(task.node))
-        search_task, state = self._goal_tasks[goal].from_state(task.node.state)
+            self._goal_tasks[node.goal] = GoalTask(self._task, self._walk.goal(node))
+        search_task, state = self._goal_tasks[node.goal].from_state(node.state)
         return SearchInput(search_task.text(state), self._members)
 
-    def checked(self, task: SolvedTask, plans: Sequence[Actions]) -> Finding | None:
+    def checked(self, node: Node, plans: Sequence[Actions]) -> Finding | None:
         """Return up to `most` of the plans, None if these are none, or one is wrong."""
         # An action whose condition has alternatives is several operators of one name.
         different = {self._as_declared(plan): plan for plan in plans}
@@ -115,7 +93,7 @@ class FurtherPlans:
         if len(kept) > self._most:
             kept = Random(0).sample(kept, self._most)
         chosen = tuple(different[plan] for plan in kept)
-        if not chosen or not self._all_work(task.node, chosen):
+        if not chosen or not self._all_work(node, chosen):
             return None
         return Finding(chosen, all=len(plans) < self._count and len(kept) == len(different))
 
@@ -135,22 +113,23 @@ class FurtherPlans:
         declared = self._walk.as_declared(self._walk.task.operators)
         return {operator.name: place for place, operator in enumerate(declared)}
 
-    def settle(self, task: SolvedTask, finding: Finding | None) -> None:
-        """Take in what was found; tasks with fewer facts may become ready."""
-        task.found = finding
-        for child in task.children:
-            child.open_parents -= 1
-            if not child.open_parents:
-                self.ready.append(child)
+    def settle(self, node: Node, finding: Finding | None) -> None:
+        """Take in what was found; nodes with fewer facts may become ready."""
+        self._found[node] = finding
+        for child in node.children:
+            if child in self._open_parents:
+                self._open_parents[child] -= 1
+                if not self._open_parents[child]:
+                    self.ready.append(child)
 
-    def result(self, task: SolvedTask, finding: Finding | None) -> BeliefPlans:
+    def result(self, node: Node, finding: Finding | None) -> BeliefPlans:
         """Return the plans that were found, or why it is the first one only."""
         if finding is None:
-            cut: Cut = 'time' if task.hopeless else 'planner'
-            plans: tuple[Actions, ...] = (task.plan,)
+            cut: Cut = 'time' if node.hopeless else 'planner'
+            plans: tuple[Actions, ...] = (self._plan[node],)
         else:
             cut, plans = '' if finding.all else 'number', finding.plans
-        cost = self._walk.cost(task.plan)
+        cost = self._walk.cost(self._plan[node])
         return BeliefPlans(Status.SOLVED, tuple(Plan(plan, cost) for plan in plans), cut=cut)
 
 
