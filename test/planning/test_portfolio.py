@@ -16,7 +16,13 @@ from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.translations import Translations
-from mirror_explainer.planning.downward.portfolio import FIRST_TRY, PLAIN, Try, next_try
+from mirror_explainer.planning.downward.portfolio import (
+    FIRST_TRY,
+    PLAIN,
+    Try,
+    next_try,
+    plain,
+)
 from mirror_explainer.planning.downward.program import Search, downward, find_downward
 from mirror_explainer.planning.downward.subject import Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
@@ -125,6 +131,14 @@ def test_short_tries_of_every_search_come_before_longer_ones() -> None:
         (first, 16.0),
         (second, 2.0),
     ]
+
+
+def test_the_search_that_goes_through_all_operators_is_first_where_they_are_few() -> None:
+    few, many = plain(100), plain(200)
+
+    assert 'lmcut' in few[0]
+    assert 'lmcut' not in many[0]
+    assert sorted(few) == sorted(many) == sorted(PLAIN)
 
 
 def test_what_suited_one_task_is_tried_first_and_for_longer_at_the_next() -> None:

@@ -28,6 +28,9 @@ PLAIN = (_LANDMARKS_AND_PATTERNS, _LMCUT, _MERGE_AND_SHRINK)
 CONDITIONAL = (_HMAX, _MERGE_AND_SHRINK, _BLIND)
 AXIOMS = (_BLIND,)
 
+# LM-cut goes through all operators at every state: up to so many, it is the first.
+_FEW_OPERATORS = 150
+
 FIRST_TRY = 0.04
 _LONGER = 4.0
 
@@ -35,6 +38,11 @@ _LONGER = 4.0
 # so many times as long as it took there.
 _FAVOUR = 8.0
 _LEEWAY = 2.0
+
+
+def plain(operators: int) -> tuple[str, ...]:
+    """Return the searches for a task with nothing special and so many operators."""
+    return (_LMCUT, *(m for m in PLAIN if m != _LMCUT)) if operators <= _FEW_OPERATORS else PLAIN
 
 
 @dataclass(frozen=True)
