@@ -8,7 +8,7 @@ import yaml
 
 from mirror_explainer.commands.draft_user_model import main
 from mirror_explainer.commands.drafting.goals import MOST_CANDIDATES, MOST_LIFTED, candidates
-from mirror_explainer.commands.drafting.patterns import World
+from mirror_explainer.commands.drafting.patterns import MOST_CHOICES, Pattern, World
 from mirror_explainer.commands.verbalize import main as verbalize
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import read_task
@@ -378,6 +378,46 @@ def test_what_would_be_too_many_candidates_is_left_out_as_a_comment():
     found = candidates(world, world.parts(task.goal_text), {})
     taken = [candidate for candidate in found if not candidate.left_out]
     assert 0 < sum(candidate.count for candidate in taken) <= MOST_CANDIDATES
+
+
+def test_a_goal_of_many_parts_of_a_kind_is_not_tried_in_every_order():
+    letters = [f'l{n}' for n in range(24)]
+    task = read_task(
+        """(define (domain post) (:requirements :strips :typing) (:types letter)
+        (:predicates (sent ?l - letter)) (:action send :parameters (?l - letter)
+        :effect (sent ?l)))""",
+        f"""(define (problem p) (:domain post) (:objects {' '.join(letters)} - letter)
+        (:init) (:goal (and {' '.join(f'(sent {letter})' for letter in letters[:12])})))""",
+    )
+    world = World(task)
+
+    found = candidates(world, world.parts(task.goal_text), {})
+
+    assert '(sent {letter})' in {candidate.pattern.goal for candidate in found}
+    assert all(candidate.count <= MOST_CHOICES for candidate in found)
+
+
+def test_goals_are_counted_once_whatever_the_order_of_what_is_alike():
+    letters = [f'l{n}' for n in range(5)]
+    task = read_task(
+        """(define (domain post) (:requirements :strips :typing) (:types letter)
+        (:predicates (sent ?l - letter) (before ?l ?m - letter))
+        (:action send :parameters (?l - letter) :effect (sent ?l))
+        (:action sort :parameters (?l ?m - letter) :effect (before ?l ?m)))""",
+        f"""(define (problem p) (:domain post) (:objects {' '.join(letters)} - letter)
+        (:init) (:goal (sent l0)))""",
+    )
+    types = (('a', 'letter'), ('b', 'letter'), ('c', 'letter'))
+    alike = Pattern(('(sent {a})', '(sent {b})', '(sent {c})'), types)
+    two_alike = Pattern(('(before {a} {b})', '(before {c} {b})'), types)
+    in_a_row = Pattern(('(before {a} {b})', '(before {b} {c})'), types)
+
+    counts = {
+        pattern.orders: len([*World(task).goals(pattern)])
+        for pattern in (alike, two_alike, in_a_row)
+    }
+
+    assert counts == {6: 10, 2: 30, 1: 60}
 
 
 def test_of_very_many_goals_seen_the_most_frequent_give_patterns_and_it_is_said():

@@ -6,7 +6,9 @@ well, so that few choices make no sense; likewise what some of a type are ("is a
 than one is.
 """
 
+import math
 import re
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +23,8 @@ from mirror_explainer.pddl.atoms import effects_in, fluents_in
 
 # A pattern with more choices than this is cut into ones with fewer variables.
 MOST_CHOICES = 350
+# Or with more in whatever order: who reads the draft looks at 20,000, with unfinished ones.
+_MOST_ORDERED = 7_000
 # With more objects than this nothing is expected to be done to all of them.
 _MOST_AT_ONCE = 8
 _ATOM = re.compile(r'\(([^()]+)\)')
@@ -43,6 +47,29 @@ class Pattern:
     def kinds(self) -> list[str]:
         """The predicates or connectives of the parts, sorted."""
         return sorted(map(kind_of, self.parts))
+
+    @cached_property
+    def alike(self) -> dict[str, str]:
+        """Of each variable the first that it can be exchanged with: the goals stay the same."""
+        first: dict[str, str] = {}
+        for variable, kind in self.types:
+            others = (other for other in first.values() if (other, kind) in self.types)
+            found = (other for other in others if self._stays_with(other, variable))
+            first[variable] = next(found, variable)
+        return first
+
+    def _stays_with(self, variable: str, other: str) -> bool:
+        """Say whether two variables exchanged leave the pattern as it is."""
+        exchange = {f'{{{variable}}}': f'{{{other}}}', f'{{{other}}}': f'{{{variable}}}'}
+        return all(
+            {_renamed(text, exchange) for text in texts} == {*texts}
+            for texts in (self.parts, self.where)
+        )
+
+    @cached_property
+    def orders(self) -> int:
+        """In how many ways objects can be chosen for the same goal."""
+        return math.prod(math.factorial(size) for size in Counter(self.alike.values()).values())
 
 
 @dataclass(frozen=True)
@@ -222,10 +249,10 @@ class World:
 
         They are told apart by one variable.
         """
+        if len(pattern.types) != 1 or not 2 < self.count(pattern) <= _MOST_AT_ONCE:
+            return []
         each = dict.fromkeys(part for goal in self.goals(pattern) for part in goal)
-        parts = tuple(sorted(each, key=lambda part: part in pattern.parts))
-        few = len(pattern.types) == 1 and 2 < self.count(pattern) <= _MOST_AT_ONCE
-        return [Pattern(parts)] if few else []
+        return [Pattern(tuple(sorted(each, key=lambda part: part in pattern.parts)))]
 
     def end(self, predicate: str) -> Pattern:
         """Return the pattern of what actions make true of a predicate, the one for most objects.
@@ -271,29 +298,39 @@ class World:
         return self._meant[wider] >= self._meant[narrower]
 
     def count(self, pattern: Pattern) -> int:
-        """Return how many goals a pattern stands for, counted up to a little over the most."""
+        """Return how many goals a pattern stands for, a little over the most if it is too many."""
         goals = set()
         for goal in self.goals(pattern):
             goals.add(frozenset(goal))
-            if len(goals) > MOST_CHOICES:
-                break
+            if len(goals) > MOST_CHOICES or len(goals) * pattern.orders > _MOST_ORDERED:
+                return MOST_CHOICES + 1
         return len(goals)
 
     def goals(self, pattern: Pattern) -> Iterator[tuple[str, ...]]:
-        """Yield the parts of each goal of a pattern; the same goal may come more than once."""
+        """Yield the parts of each goal of a pattern; the same goal may come more than once.
 
-        def choices(chosen: dict[str, str]) -> Iterator[tuple[str, ...]]:
-            if len(chosen) == len(pattern.types):
+        But not by other orders of variables that are alike: their objects come as declared.
+        """
+        left = [
+            sum(pattern.alike[other] == pattern.alike[variable] for other, _ in pattern.types[i:])
+            for i, (variable, _) in enumerate(pattern.types)
+        ]
+
+        def choices(chosen: dict[str, str], last: dict[str, int]) -> Iterator[tuple[str, ...]]:
+            place = len(chosen)
+            if place == len(pattern.types):
                 yield tuple(_renamed(part, chosen) for part in pattern.parts)
                 return
-            variable, kind = pattern.types[len(chosen)]
-            for item in self.of_type[kind]:
-                if item not in chosen.values():
-                    more = chosen | {f'{{{variable}}}': item}
+            variable, kind = pattern.types[place]
+            first = pattern.alike[variable]
+            items = self.of_type[kind]
+            for number in range(last.get(first, -1) + 1, len(items) - left[place] + 1):
+                if items[number] not in chosen.values():
+                    more = chosen | {f'{{{variable}}}': items[number]}
                     if self._possible(pattern.where, more):
-                        yield from choices(more)
+                        yield from choices(more, last | {first: number})
 
-        yield from choices({})
+        yield from choices({}, {})
 
     def _possible(self, where: Sequence[str], chosen: Mapping[str, str]) -> bool:
         """Say whether all conditions hold whose variables are chosen already."""
