@@ -77,8 +77,8 @@ def explain(
     listener = chosen(preparation.listener, question.listener, question.min_gain)
     model = preparation.model_for(listener)
     known = {*positions_of(said, said_source, model)}
-    if (failed := preparation.failed) is not None:
-        known |= {places[-1] for places in model.places if failed in places}
+    told = {*preparation.excused, preparation.failed}  # whatever is chosen
+    known |= {places[-1] for places in model.places if not told.isdisjoint(places)}
     first = not known
     if not question.tell_past:
         known |= {*_past(preparation, model)}

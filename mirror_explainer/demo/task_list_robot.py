@@ -53,8 +53,7 @@ class TaskListRobot(Node):
 
     def _on_tasks(self, message: String) -> None:
         try:
-            tasks, reason = parsed_tasks(message.data)
-            self._tasks.tell(tasks, reason=reason)
+            self._tasks.tell(parsed_tasks(message.data))
         except InputError as error:
             self.get_logger().error(told(error))
 

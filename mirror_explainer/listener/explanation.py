@@ -32,7 +32,8 @@ class Explanation:
     Its attributes are the keys of the JSON (docs). `selection` has the plan positions in plan
     order (from 0), the information gain and its gap (nats). `known` are positions whose
     sentences the listener knows: they were said before, are done where the past is not
-    told, or failed, of which the answer's beginning tells. All quantities are given these.
+    told, or failed or were left out for a reason, of which each answer tells. All quantities
+    are given these.
     """
 
     preparation: Preparation
@@ -74,9 +75,9 @@ class Explanation:
         sentences, failed = self.preparation.sentences, self.preparation.failed
         lines = [self.opening]
         if failed is not None:
-            reason = self.preparation.failure_reason
+            reason = self.preparation.reasons.get(failed, '')
             lines.append(stuck(sentences, self.model.plan.actions[failed], reason))
-        if failed is None or self.positions:
+        if failed is None or self._told:
             lines.append(self._steps_spoken(sentences))
         return '\n'.join(filter(None, lines))
 
@@ -84,11 +85,12 @@ class Explanation:
         statuses = self.preparation.statuses
         steps = list(zip(self.model.plan.actions, statuses, strict=True))
         if all(status.is_over for status in statuses):
-            return reached(sentences, [steps[p] for p in self.positions])
-        if self.positions:
+            return reached(sentences, [steps[p] for p in self._told], self._excuses)
+        if self._told:
             unsaid = [steps[p] for p in self.unsaid_ends]
             is_stuck = self.preparation.failed is not None
-            return spoken(sentences, [steps[p] for p in self._told], unsaid, is_stuck)
+            said = [steps[p] for p in self._told]
+            return spoken(sentences, said, unsaid, is_stuck, self._excuses)
         heard = {self.model.sentences[position] for position in self.known}
         if heard.issuperset(self.model.sentences):
             return sentences.phrases.all_heard
@@ -96,12 +98,22 @@ class Explanation:
 
     @property
     def _told(self) -> list[int]:
-        """The positions that are spoken of: with what is going on, where all said is over."""
+        """The positions that are spoken of.
+
+        They are what is said and what was left out for a reason, and where all of that is over
+        what is going on.
+        """
         statuses = self.preparation.statuses
-        if not all(statuses[position].is_over for position in self.positions):
-            return self.positions
-        going_on = {p for p, status in enumerate(statuses) if status is StepStatus.RUNNING}
-        return sorted(going_on.union(self.positions))
+        told = {*self.positions, *self.preparation.excused}
+        if told and all(statuses[position].is_over for position in told):
+            told |= {p for p, status in enumerate(statuses) if status is StepStatus.RUNNING}
+        return sorted(told)
+
+    @property
+    def _excuses(self) -> dict[str, str]:
+        """Why steps were left out, by ground action."""
+        reasons, actions = self.preparation.reasons, self.model.plan.actions
+        return {actions[p]: reasons[p] for p in self.preparation.excused}
 
     @property
     def _heard(self) -> list[int]:

@@ -87,9 +87,15 @@ class Preparation:
         return next(iter(self.situation.progress.failed), None) if self.situation else None
 
     @property
-    def failure_reason(self) -> str:
-        """Why that step failed, in the robot's words, '' if it does not say."""
-        return self.situation.progress.reason if self.situation else ''
+    def reasons(self) -> Mapping[int, str]:
+        """Why steps failed or were left out, by plan position, in the robot's words."""
+        return self.situation.progress.reasons if self.situation else {}
+
+    @property
+    def excused(self) -> tuple[int, ...]:
+        """The plan positions of the steps that were left out for a reason."""
+        statuses = self.statuses
+        return tuple(p for p in sorted(self.reasons) if statuses[p] is StepStatus.SKIPPED)
 
     @property
     def model(self) -> MirrorModel:

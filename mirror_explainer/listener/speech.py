@@ -1,7 +1,8 @@
 """An answer as a person hears it: steps in their tenses, like ones in one breath."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 from mirror_explainer.listener.english import inability, intention
 from mirror_explainer.listener.phrases import Phrases
@@ -14,6 +15,7 @@ _ARTICLES = frozenset(['the', 'a', 'an', 'my', 'your'])
 
 
 Step = tuple[str, StepStatus]  # a ground action, and how far it is
+_NO_REASONS: Mapping[str, str] = MappingProxyType({})
 
 
 def spoken(
@@ -21,6 +23,7 @@ def spoken(
     steps: Sequence[Step],
     unsaid: Sequence[Step] = (),
     is_stuck: bool = False,
+    reasons: Mapping[str, str] = _NO_REASONS,
 ) -> str:
     """Return the text for the steps of an answer, in plan order; a sentence a line.
 
@@ -29,8 +32,10 @@ def spoken(
     left `unsaid` would be in, too, ends with "and others"; not one of whole tasks, "I will wash
     the cup and wait.", which promises no more than two sentences would. A robot that `is_stuck`
     promises nothing: "I meant to photograph the lock." for "I will …", and no other sentence.
+    After what was left out stands why, if `reasons` have that, by ground action.
     """
     groups: list[list[Said]] = []
+    whys: list[str] = []  # of each group
     last: StepStatus | None = None
     for action, status in steps:
         said = sentences.worded(action, status)
@@ -45,24 +50,37 @@ def spoken(
             groups[-1].append(said)
         else:
             groups.append([said])
+            whys.append(reasons.get(action, '') if status is StepStatus.SKIPPED else '')
         last = status
     left = [sentences.worded(*step) for step in unsaid]
-    return '\n'.join(_together(group, left, sentences.phrases) for group in groups)
+    lines = [
+        _with_reason(_together(group, left, sentences.phrases), why)
+        for group, why in zip(groups, whys, strict=True)
+    ]
+    return '\n'.join(lines)
 
 
-def reached(sentences: Sentences, steps: Sequence[Step]) -> str:
+def reached(
+    sentences: Sentences, steps: Sequence[Step], reasons: Mapping[str, str] = _NO_REASONS
+) -> str:
     """Return what is said when nothing is left to do; of the `steps` it is told what they did."""
-    return '\n'.join(filter(None, (spoken(sentences, steps), sentences.phrases.reached)))
+    told = spoken(sentences, steps, reasons=reasons)
+    return '\n'.join(filter(None, (told, sentences.phrases.reached)))
 
 
 def stuck(sentences: Sentences, failed: str, reason: str = '') -> str:
     """Return what is said when a step, a ground action, failed; `reason` is the robot's own."""
     sentence = sentences.of(failed)
     told = sentences.phrases.failed.replace('{step}', inability(sentence) or sentence)
+    return _with_reason(told, reason)
+
+
+def _with_reason(sentence: str, reason: str) -> str:
+    """Return a sentence, and the robot's reason, if it gave one, as the next."""
     if not reason:
-        return told
+        return sentence
     end = '' if reason.endswith(('.', '!', '?', '…')) else '.'
-    return f'{told}\n{reason[0].upper()}{reason[1:]}{end}'
+    return f'{sentence}\n{reason[0].upper()}{reason[1:]}{end}'
 
 
 def _differing(group: Sequence[Said]) -> str:

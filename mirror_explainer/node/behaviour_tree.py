@@ -12,6 +12,8 @@ _STANDINGS = {'INVALID': 'ahead', 'RUNNING': 'running', 'SUCCESS': 'done', 'FAIL
 _OVER = {'done', 'skipped'}
 
 Kinds = type | tuple[type, ...]
+# A task and how it stands; with a reason for that, if it has one.
+ToldTask = tuple[str, str] | tuple[str, str, str]
 
 
 class TreeNode(Protocol):
@@ -26,21 +28,20 @@ class TreeNode(Protocol):
         """Those below it; one for a decorator, none for a leaf."""
 
 
-def tree_tasks(
-    root: TreeNode, leaves: Kinds, before: Sequence[tuple[str, str]] = ()
-) -> list[tuple[str, str]]:
+def tree_tasks(root: TreeNode, leaves: Kinds, before: Sequence[ToldTask] = ()) -> list[ToldTask]:
     """Return the tasks that a tree means to do, in order, each with its standing.
 
     Tasks are what is an instance of `leaves`, whatever is below it. Of a selector it means
     the child that it is at, or ended with; before it begins, the first that has tasks, which
     are skipped where it is at a child without any. A failure is one only if all above it
     failed, too: what is tried again goes on, and below what succeeded all the same it is
-    skipped, as is what has not begun there. Where the tree failed for another reason, such as
-    a condition, the next task failed; it has nothing to do where none had begun, unless that
-    condition says why: then it is as far as it was `before`, if it was at these tasks then.
+    skipped, for the reason that it says, as is what has not begun there. Where the tree failed
+    for another reason, such as a condition, the next task failed; it has nothing to do where
+    none had begun, unless that condition says why: then it is as far as it was `before`, if it
+    was at these tasks then.
     """
     tasks = _meant(root, leaves)
-    standings = [standing for _, standing in tasks]
+    standings = [task[1] for task in tasks]
     if {*standings} <= {'skipped'}:
         return []
     if _standing(root) != 'failed' or 'failed' in standings or not {*standings} - _OVER:
@@ -48,12 +49,15 @@ def tree_tasks(
     if {*standings} == {'ahead'}:
         if not _own_words(_failed(root)[-1]):
             return []
-        known = [standing if standing in _OVER else 'ahead' for _, standing in before]
-        if [name for name, _ in before] == [name for name, _ in tasks] and 'ahead' in known:
-            standings = known
+        known = [task[1] if task[1] in _OVER else 'ahead' for task in before]
+        if [task[0] for task in before] == [task[0] for task in tasks] and 'ahead' in known:
+            tasks, standings = [*before], known
     following = next(i for i, standing in enumerate(standings) if standing not in _OVER)
     standings[following] = 'failed'
-    return [(name, standing) for (name, _), standing in zip(tasks, standings, strict=True)]
+    told: list[ToldTask] = []
+    for task, standing in zip(tasks, standings, strict=True):
+        told.append(task if task[1] == standing else (task[0], standing))
+    return told
 
 
 def failure_reason(root: TreeNode, leaves: Kinds) -> str:
@@ -82,14 +86,16 @@ def all_tasks(root: TreeNode, leaves: Kinds) -> Iterator[str]:
 
 def _meant(
     node: TreeNode, leaves: Kinds, failure: str = 'failed', rest: str = 'ahead'
-) -> list[tuple[str, str]]:
+) -> list[ToldTask]:
     """Return the tasks at and below a node.
 
     There a `failure` stands for this, and what has not begun for `rest`.
     """
     standing = _standing(node)
     if isinstance(node, leaves):
-        return [(node.name, {'failed': failure, 'ahead': rest}.get(standing, standing))]
+        told = {'failed': failure, 'ahead': rest}.get(standing, standing)
+        words = _own_words(node) if standing == 'failed' and told == 'skipped' else ''
+        return [(node.name, told, words)] if words else [(node.name, told)]
     if standing == 'running':
         failure = 'running'
     elif standing == 'done':

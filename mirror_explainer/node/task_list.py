@@ -17,6 +17,7 @@ from std_msgs.msg import String
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.node.behaviour_tree import (
     Kinds,
+    ToldTask,
     TreeNode,
     all_tasks,
     failure_reason,
@@ -25,6 +26,7 @@ from mirror_explainer.node.behaviour_tree import (
 from mirror_explainer.text_files import read_text
 
 STANDINGS = ('ahead', 'running', 'done', 'skipped', 'failed')
+REASONED = ('skipped', 'failed')  # with these may go a reason
 TOPICS = ('domain', 'problem', 'progress', 'plan')
 _NEVER = 'never_told'  # a task that is never done
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -51,19 +53,20 @@ class TaskList:
         self._goal = ''
         self._told: dict[str, str] = {}
         self._tree: TreeNode | None = None  # that has been ticked
-        self._tree_tasks: list[tuple[str, str]] = []  # as they were told last
+        self._tree_tasks: list[ToldTask] = []  # as they were told last
         self._outputs = {topic: node.create_publisher(String, topic, LATCHED) for topic in TOPICS}
         share = Path(get_package_share_directory('mirror_explainer'))
         self._publish('domain', (share / 'config' / 'tasks' / 'domain.pddl').read_text())
 
     def tell(
-        self, tasks: Iterable[tuple[str, str]], ends: Collection[str] = (), reason: str = ''
+        self, tasks: Iterable[ToldTask], ends: Collection[str] = (), reason: str = ''
     ) -> None:
         """Tell the tasks in order, each with its standing: one of STANDINGS.
 
-        `ends` are those of them that the others are for; without them all are. `reason` says
-        to people why one failed, as in "The blade is not sharp." No tasks: the robot has
-        nothing to do.
+        One that was skipped, or failed, may have a reason for people as its third: `('shave
+        the ice', 'skipped', 'The blade is not sharp.')`. `reason` is that of those that failed
+        and have none. `ends` are those of them that the others are for; without them all are.
+        No tasks: the robot has nothing to do.
         """
         texts = task_texts(tasks, ends, reason)
         self._known |= texts.names
@@ -85,7 +88,7 @@ class TaskList:
         is_given_up = is_reset and root is self._tree
         tasks = [] if is_given_up else tree_tasks(root, leaves, self._tree_tasks)
         self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
-        named = {task for task, _ in tasks}
+        named = {task for task, *_ in tasks}
         self.tell(tasks, [end for end in ends if end in named], failure_reason(root, leaves))
 
     def _publish(self, topic: str, text: str) -> None:
@@ -109,17 +112,15 @@ class TaskTexts(NamedTuple):
 
 
 def task_texts(
-    tasks: Iterable[tuple[str, str]], ends: Collection[str] = (), reason: str = ''
+    tasks: Iterable[ToldTask], ends: Collection[str] = (), reason: str = ''
 ) -> TaskTexts:
     """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
-    words = reason.replace(';', ',').split()  # a semicolon would begin a comment
-    because = ' '.join(['', 'because', *words]) if words else ''
-    told = [(task, checked_standing(standing)) for task, standing in tasks]
-    names = _spelling(task for task, _ in told)
-    named = [(task_name(task).lower(), standing) for task, standing in told]
+    told = [_checked(task) for task in tasks]
+    names = _spelling(task for task, *_ in told)
+    named = [(task_name(task).lower(), standing) for task, standing, _ in told]
     for end in ends:
         if task_name(end).lower() not in names:
-            raise _no_task(end, [task for task, _ in told])
+            raise _no_task(end, [task for task, *_ in told])
     goals = dict.fromkeys([task_name(end).lower() for end in ends] or names)
     return TaskTexts(
         names=names,
@@ -127,8 +128,8 @@ def task_texts(
         goal=f'(and {" ".join(f"(done {name})" for name in goals)})' if goals else '',
         plan='\n'.join(f'(do {name})' for name, _ in named),
         progress='\n'.join(
-            f'{standing}: (do {name}){because if standing == "failed" else ""}'
-            for name, standing in named
+            f'{standing}: (do {name}){_because(why or (reason if standing == "failed" else ""))}'
+            for (name, standing), (_, _, why) in zip(named, told, strict=True)
             if standing != 'ahead'
         ),
     )
@@ -153,22 +154,22 @@ def named_tasks(user_model: str) -> list[str]:
     return re.findall(r'\(\s*done\s+([^\s(){}]+)\s*\)', user_model, re.IGNORECASE)
 
 
-def parsed_tasks(text: str) -> tuple[list[tuple[str, str]], str]:
+def parsed_tasks(text: str) -> list[ToldTask]:
     """Return the tasks that a text names, one a line: `done: fetch the cup`, `wipe the table`.
 
-    A line without a standing is a task that is ahead. With them goes the reason for the first
-    that failed, as in `failed: wipe the table because the sponge is dry`; '' if none is given.
+    A line without a standing is a task that is ahead. What failed, or was skipped, may have a
+    reason, as in `failed: wipe the table because the sponge is dry`.
     """
-    tasks, reasons = [], []
+    tasks: list[ToldTask] = []
     for line in filter(None, map(str.strip, text.splitlines())):
         standing, colon, task = (part.strip() for part in line.partition(':'))
         if not colon or (standing := standing.lower()) not in STANDINGS:
             standing, task = 'ahead', line
-        elif standing == 'failed':
+        reason = ''
+        if standing in REASONED:
             task, _, reason = task.partition(' because ')
-            reasons.append(reason.strip())
-        tasks.append((task, standing))
-    return tasks, next(iter(reasons), '')
+        tasks.append((task, standing, reason.strip()) if reason else (task, standing))
+    return tasks
 
 
 def task_name(task: str) -> str:
@@ -179,12 +180,29 @@ def task_name(task: str) -> str:
     return name if name[0].isalpha() else f'task_{name}'
 
 
-def checked_standing(standing: str) -> str:
-    """Return the standing; raises InputError if there is no such one."""
+def _checked(given: object) -> tuple[str, str, str]:
+    """Return a task, its standing and the reason for that; raises InputError for what is none."""
+    match given:
+        case [str(task), str(standing)]:
+            reason = ''
+        case [str(task), str(standing), str(reason)]:
+            pass
+        case _:
+            example = "('boil water', 'running')"
+            raise InputError(
+                'tasks', f'each task goes with its standing, {example}, not {given!r}'
+            )
     if standing not in STANDINGS:
         meant = did_you_mean(standing, STANDINGS)
         raise InputError('tasks', f'a task is {", ".join(STANDINGS)}, not "{standing}"{meant}')
-    return standing
+    if reason and standing not in REASONED:
+        raise InputError('tasks', f'"{task}" is {standing}: it needs no reason')
+    return task, standing, reason
+
+
+def _because(reason: str) -> str:
+    words = reason.replace(';', ',').split()  # a semicolon would begin a comment
+    return ' '.join(['', 'because', *words]) if words else ''
 
 
 def _spelling(tasks: Iterable[str]) -> dict[str, str]:

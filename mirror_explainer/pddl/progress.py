@@ -2,8 +2,8 @@
 
 import itertools
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 
@@ -19,6 +19,7 @@ _LINE = re.compile(
 )
 # Of the same action twice, the first is the one that is further.
 _STATUSES = ('done', 'skipped', 'running', 'failed', 'ahead')
+_REASONED = ('failed', 'skipped')
 _FORM = 'Write one step a line, as in "done: (move a b)", with done, skipped, running or failed.'
 
 
@@ -40,13 +41,13 @@ class StepStatus(StrEnum):
 class Progress:
     """What has become of each step of a plan. `failed` are those, by position, that went wrong.
 
-    A step that failed is ahead: it is still to be done, if the robot can. `reason` is why the
-    first of them failed, in the robot's words, '' if it does not say.
+    A step that failed is ahead: it is still to be done, if the robot can. `reasons` are why
+    steps failed or were left out, by position, in the robot's words, of those where it says.
     """
 
     steps: tuple[StepStatus, ...]
     failed: tuple[int, ...] = ()
-    reason: str = ''
+    reasons: Mapping[int, str] = field(default_factory=dict)
 
     @classmethod
     def none(cls, length: int) -> 'Progress':
@@ -95,17 +96,16 @@ def read_progress(
     """Read a progress text: "done: (…)", or skipped, running or failed, one step a line.
 
     It is about the plan with these `actions`, of which `known` is what was known before. What
-    failed may have a reason: "failed: (grab cup) because the cup is too hot". Steps that are
-    not named are ahead, also before others that are done; the lines may stand in any order,
-    and the same action twice counts from its first place in the plan. An empty text says that
-    nothing has begun. Raises InputError with the line of what is no such line or no step of
-    the plan, and for a step that was done and is not any more.
+    failed or was skipped may have a reason: "failed: (grab cup) because the cup is too hot".
+    Steps that are not named are ahead, also before others that are done; the lines may stand
+    in any order, and the same action twice counts from its first place in the plan. An empty
+    text says that nothing has begun. Raises InputError with the line of what is no such line
+    or no step of the plan, and for a step that was done and is not any more.
     """
     places: dict[str, list[int]] = {}
     for position, action in enumerate(actions):
         places.setdefault(action, []).append(position)
-    named: dict[str, list[str]] = {action: [] for action in places}
-    reasons: dict[str, str] = {}
+    named: dict[str, list[tuple[str, str]]] = {action: [] for action in places}
     for number, line in enumerate(plain_text(text).split('\n'), start=1):
         content = line.split(';')[0].strip()
         if content:
@@ -117,37 +117,35 @@ def read_progress(
                     number,
                     cure='Publish the plan first, and name its steps as they stand there.',
                 )
-            named[action].append(status)
+            named[action].append((status, reason))
             count = len(places[action])
             if len(named[action]) > count:
                 times = 'once' if count == 1 else f'{count} times'
                 fault = f'{action} is in the plan {times}, and is named here once more'
                 raise InputError(source, fault, number, cure=_FORM)
-            if reason:
-                reasons.setdefault(action, reason)
     steps = [StepStatus.AHEAD] * len(actions)
-    failed = []
-    for action, statuses in named.items():
-        for position, status in zip(
-            places[action], sorted(statuses, key=_STATUSES.index), strict=False
-        ):
+    failed, reasons = [], {}
+    for action, told in named.items():
+        told.sort(key=lambda line: _STATUSES.index(line[0]))
+        for position, (status, reason) in zip(places[action], told, strict=False):
+            if reason:
+                reasons[position] = reason
             if status == 'failed':
                 failed.append(position)
             else:
                 steps[position] = StepStatus(status)
     failed.sort()
-    reason = reasons.get(actions[failed[0]], '') if failed else ''
-    progress = Progress(tuple(steps), tuple(failed), reason)
+    progress = Progress(tuple(steps), tuple(failed), reasons)
     if known is not None:
         _require_no_way_back(progress, known, actions, source)
     return progress
 
 
 def _line(content: str, number: int, source: str) -> tuple[str, str, str]:
-    """Return a line's status, the action, and the reason for a failure, '' if none is given."""
+    """Return a line's status, the action, and the reason, '' if none is given."""
     found = _LINE.fullmatch(content)
     status = found['status'].lower() if found else ''
-    if not found or status not in _STATUSES or (found['because'] and status != 'failed'):
+    if not found or status not in _STATUSES or (found['because'] and status not in _REASONED):
         raise InputError(source, f'this is no progress: "{content[:80]}"', number, cure=_FORM)
     name, *arguments = found['words'].split()
     return status, ground_text(name, arguments), one_line(found['reason'] or '')

@@ -115,6 +115,23 @@ def test_a_step_that_failed_is_told_first(verbalize) -> None:
     assert told.startswith('I am stuck: I cannot take the cup.\nI meant to take the cake.\n\n')
 
 
+def test_a_step_that_was_skipped_for_a_reason_is_told_whatever_tells_more(verbalize) -> None:
+    skipped = 'done: (drive dock sink)\nskipped: (pick cup sink) because the sink is hot\n'
+    why = 'I did not take the cup.\nThe sink is hot.\n'
+
+    assert verbalize(AT_START, '-n', '1', progress=skipped).startswith(
+        f'{why}I will take the cake.\n\n'
+    )
+    going_on = f'{skipped}running: (drive sink oven)'
+    assert verbalize(AT_START, '--no-tell-past', progress=going_on).startswith(
+        f'{why}I will take the cake.\n\n'
+    )
+    over = f'{skipped}done: (drive sink oven)\ndone: (pick cake oven)'
+    assert verbalize(AT_START, progress=over).startswith(
+        f'{why}I have taken the cake.\nI am done.\n'
+    )
+
+
 def test_progress_that_names_no_step_is_refused(verbalize) -> None:
     told = verbalize(AT_START, progress='done: (fly dock sink)')
 

@@ -49,7 +49,7 @@ def told(root: Any, ticks: int = 0) -> str:
     for _ in range(ticks):
         root.tick_once()
     signs = {'done': '+', 'running': '>', 'ahead': '', 'failed': '!', 'skipped': '-'}
-    return ' '.join(signs[standing] + name for name, standing in tree_tasks(root, Task))
+    return ' '.join(signs[task[1]] + task[0] for task in tree_tasks(root, Task))
 
 
 @pytest.mark.parametrize('memory', [True, False])
@@ -213,6 +213,18 @@ def test_why_a_tree_failed_is_what_the_node_says_or_the_name_of_a_condition() ->
     # Nothing had begun: only a condition that says so is a fault.
     assert because(Condition('order?', fails), Task('shave'))[0] == ''
     assert because(Excused('sharp?', fails), Task('shave'))[0] == '!shave'
+
+
+def test_what_may_fail_is_left_out_for_the_reason_that_it_says() -> None:
+    optional = py_trees.decorators.FailureIsSuccess('o', Shaver('shave', Status.FAILURE))
+    dry = Condition('dry?', Status.FAILURE)
+    root = Sequence('work', True, [optional, Task('flood'), dry, Task('park')])
+    left_out = ('shave', 'skipped', 'the ice is too thin')
+
+    told(root, 2)
+    assert tree_tasks(root, Task) == [left_out, ('flood', 'running'), ('park', 'ahead')]
+    root.tick_once()
+    assert tree_tasks(root, Task) == [left_out, ('flood', 'done'), ('park', 'failed')]
 
 
 def test_a_guard_that_says_why_stops_the_task_that_the_tree_was_at() -> None:

@@ -75,20 +75,35 @@ def test_a_task_without_a_name_and_a_standing_that_there_is_not_are_refused():
         task_texts([('Boil water', 'runing')])
 
 
+@pytest.mark.parametrize('tasks', [['Boil water'], {'Boil water': 'done'}, [('Boil water', None)]])
+def test_a_task_without_its_standing_is_refused(tasks):
+    with pytest.raises(InputError, match=r"each task goes with its standing, \('boil water'"):
+        task_texts(tasks)
+
+
 def test_a_text_names_a_task_a_line():
     text = 'done: Boil water\n\n Running : Bring the tea\nroom 3: clean\n'
     stuck = text + 'failed: Knock because it is late; 9 pm'
     tasks = [('Boil water', 'done'), ('Bring the tea', 'running'), ('room 3: clean', 'ahead')]
-    assert parsed_tasks(text) == (tasks, '')
-    assert parsed_tasks(stuck) == ([*tasks, ('Knock', 'failed')], 'it is late; 9 pm')
+    assert parsed_tasks(text) == tasks
+    assert parsed_tasks(stuck) == [*tasks, ('Knock', 'failed', 'it is late; 9 pm')]
+    assert parsed_tasks('skipped: Wait because no one came') == [
+        ('Wait', 'skipped', 'no one came')
+    ]
 
 
-def test_only_what_failed_has_the_reason_on_one_line_without_a_comment():
+def test_what_failed_or_was_skipped_has_its_reason_on_one_line_without_a_comment():
     tasks = [('Boil water', 'done'), ('Bring the tea', 'failed')]
     texts = task_texts(tasks, reason='It is late;\n9 pm.')
     failed = 'failed: (do bring_the_tea) because It is late, 9 pm.'
     assert texts.progress == f'done: (do boil_water)\n{failed}'
     assert task_texts(tasks, reason=' ').progress.endswith('failed: (do bring_the_tea)')
+    own = [('Knock', 'skipped', 'No one\ncame.'), ('Bring the tea', 'failed', 'It is cold.')]
+    assert task_texts(own, reason='It is late.').progress == (
+        'skipped: (do knock) because No one came.\nfailed: (do bring_the_tea) because It is cold.'
+    )
+    with pytest.raises(InputError, match='"Boil water" is done: it needs no reason'):
+        task_texts([('Boil water', 'done', 'It is late.')])
 
 
 def test_a_user_model_names_tasks(warehouse):

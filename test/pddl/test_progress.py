@@ -25,15 +25,17 @@ def test_a_step_that_failed_is_still_ahead() -> None:
     assert read_progress(text, PLAN) == Progress((DONE, AHEAD, AHEAD, AHEAD, AHEAD), failed=(1,))
 
 
-def test_of_the_reasons_that_of_the_first_step_that_failed_is_kept() -> None:
+def test_why_a_step_failed_or_was_skipped_is_kept() -> None:
     text = (
-        'failed: (drop cup) because it sticks\nfailed: (take cup)  BECAUSE the cup (2) is\thot ; x'
+        'skipped: (drop cup) because it sticks\n'
+        'failed: (take cup)  BECAUSE the cup (2) is\thot ; x'
     )
 
     progress = read_progress(text, ['(take cup)', '(drop cup)'])
 
-    assert (progress.failed, progress.reason) == ((0, 1), 'the cup (2) is hot')
-    assert read_progress('failed: (take cup)', PLAN).reason == ''
+    assert progress.failed == (0,)
+    assert progress.reasons == {0: 'the cup (2) is hot', 1: 'it sticks'}
+    assert read_progress('failed: (take cup)', PLAN).reasons == {}
     with pytest.raises(InputError, match='this is no progress'):
         read_progress('done: (take cup) because it was there', PLAN)
 
