@@ -52,6 +52,9 @@ class TaskList:
         self._known = _spelling([*named, *known])
         self._goal = ''
         self._told: dict[str, str] = {}
+        self._list: list[tuple[str, str, str]] = []  # as it was told last, with these ends
+        self._ends: Collection[str] = ()
+        self._log, self._warned = node.get_logger(), set[str]()
         self._tree: TreeNode | None = None  # that has been ticked
         self._tree_tasks: list[ToldTask] = []  # as they were told last
         self._outputs = {topic: node.create_publisher(String, topic, LATCHED) for topic in TOPICS}
@@ -64,11 +67,22 @@ class TaskList:
         """Tell the tasks in order, each with its standing: one of STANDINGS.
 
         One that was skipped, or failed, may have a reason for people as its third: `('shave
-        the ice', 'skipped', 'The blade is not sharp.')`. `reason` is that of those that failed
-        and have none. `ends` are those of them that the others are for; without them all are.
-        No tasks: the robot has nothing to do.
+        the ice', 'skipped', 'The blade is not sharp.')`. What failed before a later one began is
+        skipped. `reason` is that of those that failed, else of the last that was skipped. `ends`
+        are those of them that the others are for; without them all are. No tasks: the robot has
+        nothing to do; with a `reason` it had to stop what it was told to be at, which failed.
         """
-        texts = task_texts(tasks, ends, reason)
+        told = _one_after_the_other([_checked(task) for task in tasks])
+        if reason and not told:
+            told = _broken_off(self._list)
+            ends = self._ends if told else ends
+        self._tell(_reasoned(told, reason), ends)
+        if reason and not any(standing in REASONED for _, standing, _ in told):
+            self._warn(f'nobody hears why: "{reason}", since no task was skipped, or failed')
+
+    def _tell(self, tasks: list[tuple[str, str, str]], ends: Collection[str]) -> None:
+        texts = task_texts(tasks, ends)
+        self._list, self._ends = tasks, ends
         self._known |= texts.names
         self._goal = texts.goal or self._goal
         self._publish('problem', problem_text(self._known.values(), texts.done, self._goal))
@@ -89,7 +103,13 @@ class TaskList:
         tasks = [] if is_given_up else tree_tasks(root, leaves, self._tree_tasks)
         self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
         named = {task for task, *_ in tasks}
-        self.tell(tasks, [end for end in ends if end in named], failure_reason(root, leaves))
+        told = _reasoned([_checked(task) for task in tasks], failure_reason(root, leaves))
+        self._tell(told, [end for end in ends if end in named])
+
+    def _warn(self, sentence: str) -> None:
+        if sentence not in self._warned:
+            self._warned.add(sentence)
+            self._log.warning(sentence)
 
     def _publish(self, topic: str, text: str) -> None:
         if self._told.get(topic) != text:
@@ -111,9 +131,7 @@ class TaskTexts(NamedTuple):
     progress: str
 
 
-def task_texts(
-    tasks: Iterable[ToldTask], ends: Collection[str] = (), reason: str = ''
-) -> TaskTexts:
+def task_texts(tasks: Iterable[ToldTask], ends: Collection[str] = ()) -> TaskTexts:
     """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
     told = [_checked(task) for task in tasks]
     names = _spelling(task for task, *_ in told)
@@ -128,7 +146,7 @@ def task_texts(
         goal=f'(and {" ".join(f"(done {name})" for name in goals)})' if goals else '',
         plan='\n'.join(f'(do {name})' for name, _ in named),
         progress='\n'.join(
-            f'{standing}: (do {name}){_because(why or (reason if standing == "failed" else ""))}'
+            f'{standing}: (do {name}){_because(why)}'
             for (name, standing), (_, _, why) in zip(named, told, strict=True)
             if standing != 'ahead'
         ),
@@ -198,6 +216,38 @@ def _checked(given: object) -> tuple[str, str, str]:
     if reason and standing not in REASONED:
         raise InputError('tasks', f'"{task}" is {standing}: it needs no reason')
     return task, standing, reason
+
+
+def _one_after_the_other(tasks: list[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
+    """Return tasks done in this order: what failed before a later one began was skipped."""
+    begun = [at for at, task in enumerate(tasks) if task[1] in ('running', 'done')]
+    last = max(begun, default=0)
+    return [
+        (task, 'skipped' if standing == 'failed' and at < last else standing, why)
+        for at, (task, standing, why) in enumerate(tasks)
+    ]
+
+
+def _broken_off(tasks: list[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
+    """Return the tasks of a robot that had to stop: what it was at failed, or was to do next.
+
+    None where nothing was left to do.
+    """
+    left = [at for at, task in enumerate(tasks) if task[1] not in ('done', 'skipped')]
+    failed = [at for at in left if tasks[at][1] == 'running'] or left[:1]
+    told = [(task[0], 'failed', '') if at in failed else task for at, task in enumerate(tasks)]
+    return told if failed else []
+
+
+def _reasoned(tasks: list[tuple[str, str, str]], reason: str) -> list[tuple[str, str, str]]:
+    """Return tasks with the reason of those that failed, else of the last that was skipped."""
+    failed = [at for at, task in enumerate(tasks) if task[1] == 'failed']
+    skipped = [at for at, task in enumerate(tasks) if task[1] == 'skipped']
+    reasoned = failed or skipped[-1:]
+    return [
+        (task, standing, why or (reason if at in reasoned else ''))
+        for at, (task, standing, why) in enumerate(tasks)
+    ]
 
 
 def _because(reason: str) -> str:

@@ -11,7 +11,7 @@ from mirror_explainer.node.task_list import TaskList
 
 
 def robot_of(operator: Callable[..., Operator], user_model_file: str, **settings: Any) -> Any:
-    """Return an operator whose `tasks` tell its explainer a list of tasks."""
+    """Return an operator whose `tasks` tell its explainer a list of tasks, with its log."""
     robot: Any = operator(user_model_file=user_model_file, **settings)
 
     def create_publisher(_: type, topic: str, __: object) -> SimpleNamespace:
@@ -20,6 +20,8 @@ def robot_of(operator: Callable[..., Operator], user_model_file: str, **settings
 
         return SimpleNamespace(publish=publish)
 
-    node: Any = SimpleNamespace(create_publisher=create_publisher)
+    robot.warnings = []
+    log = SimpleNamespace(warning=robot.warnings.append)
+    node: Any = SimpleNamespace(create_publisher=create_publisher, get_logger=lambda: log)
     robot.tasks = TaskList(node, user_model_file=user_model_file)
     return robot

@@ -93,14 +93,13 @@ def test_a_text_names_a_task_a_line():
 
 
 def test_what_failed_or_was_skipped_has_its_reason_on_one_line_without_a_comment():
-    tasks = [('Boil water', 'done'), ('Bring the tea', 'failed')]
-    texts = task_texts(tasks, reason='It is late;\n9 pm.')
+    tasks = [('Boil water', 'done'), ('Bring the tea', 'failed', 'It is late;\n9 pm.')]
+    texts = task_texts(tasks)
     failed = 'failed: (do bring_the_tea) because It is late, 9 pm.'
     assert texts.progress == f'done: (do boil_water)\n{failed}'
-    assert task_texts(tasks, reason=' ').progress.endswith('failed: (do bring_the_tea)')
-    own = [('Knock', 'skipped', 'No one\ncame.'), ('Bring the tea', 'failed', 'It is cold.')]
-    assert task_texts(own, reason='It is late.').progress == (
-        'skipped: (do knock) because No one came.\nfailed: (do bring_the_tea) because It is cold.'
+    tasks = [('Knock', 'skipped', 'No one\ncame.'), ('Bring the tea', 'failed', ' ')]
+    assert task_texts(tasks).progress == (
+        'skipped: (do knock) because No one came.\nfailed: (do bring_the_tea)'
     )
     with pytest.raises(InputError, match='"Boil water" is done: it needs no reason'):
         task_texts([('Boil water', 'done', 'It is late.')])
@@ -188,6 +187,43 @@ def test_a_robot_that_goes_back_in_its_list_begins_it_again(robot):
     assert stuck.split('\n')[:2] == ['I am stuck: I cannot boil water.', 'The tap is shut.']
     assert robot.answer().split('\n')[0] == 'I have started again.'
     assert json.loads(robot.published[-1][1])['plan'][0]['status'] == 'running'
+
+
+def test_a_robot_that_had_to_stop_says_why_and_what_it_could_not_do(robot):
+    robot.tasks.tell([(TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead')])
+    robot.tasks.tell([], reason='Somebody pressed my emergency stop.')
+    stopped = robot.answer()
+    robot.tasks.tell([], reason='Somebody pressed my emergency stop.')
+    still = robot.answer()
+    robot.tasks.tell([(TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead')])
+
+    assert stopped.split('\n')[:2] == [
+        'I am stuck: I cannot boil water.',
+        'Somebody pressed my emergency stop.',
+    ]
+    assert stopped.endswith('I meant to bring the tea.')
+    assert still == stopped
+    assert robot.answer() == 'I am boiling water.\nI will bring the tea.'
+    assert robot.warnings == []
+
+
+def test_a_robot_that_goes_on_after_a_failure_is_not_stuck(robot):
+    why = 'The tap is shut.'
+    robot.tasks.tell([(TEA[0], 'done'), (TEA[1], 'failed'), (TEA[2], 'running')], reason=why)
+    going_on = robot.answer()
+    robot.tasks.tell([(TEA[0], 'done'), (TEA[1], 'failed', why), (TEA[2], 'done')])
+
+    assert going_on == 'I did not boil water.\nThe tap is shut.\nI am bringing the tea.'
+    assert robot.answer() == (
+        'I did not boil water.\nThe tap is shut.\nI have brought the tea.\nI am done.'
+    )
+
+
+def test_a_reason_of_nothing_that_failed_is_told_once_in_the_log(robot):
+    for _ in range(2):
+        robot.tasks.tell([(TEA[0], 'running')], reason='Why not.')
+
+    assert robot.warnings == ['nobody hears why: "Why not.", since no task was skipped, or failed']
 
 
 def test_a_robot_goes_back_to_the_task_that_was_put_off_however_the_other_one_went(robot):
