@@ -1,4 +1,4 @@
-"""When a call of `Planner.plan` must end: its deadline, and requests to stop."""
+"""What planning may use, and when a call of `Planner.plan` must end."""
 
 import time
 from dataclasses import dataclass
@@ -8,6 +8,15 @@ from mirror_explainer.errors import Cancelled
 
 # How often a waiting planner looks up, in seconds.
 TICK = 0.02
+
+
+@dataclass(frozen=True)
+class Resources:
+    """So many processes plan at a time, for so many seconds a belief, in so many MiB each."""
+
+    workers: int
+    planning_timeout: float
+    memory_limit: int
 
 
 class Stop(Protocol):

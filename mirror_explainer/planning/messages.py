@@ -4,20 +4,19 @@ from dataclasses import dataclass
 
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, BeliefSpace, Status
+from mirror_explainer.planning.limits import Resources
 
 
 @dataclass(frozen=True)
 class Setup:
     """To an engine's worker: read this space. It answers None, or a Refusal.
 
-    A belief of the space, sent later, may take `planning_timeout` seconds, and the
-    worker, like each process it starts, `memory_limit` MiB.
+    The resources are for each belief of the space, sent later, and the worker itself.
     """
 
     engine: str
     space: BeliefSpace
-    planning_timeout: float
-    memory_limit: int
+    resources: Resources
 
 
 @dataclass(frozen=True)
@@ -61,10 +60,9 @@ class Ask:
     """To the worker of the fast way: plan for these beliefs.
 
     It answers with an empty list once the beliefs are grounded, then with lists of
-    (belief, attempt) pairs, and at last with Done; or with Unfitting. `workers`
-    searches run at a time, by the program `downward`, and for further plans by `kstar`, '' if that
-    is not here; each for `planning_timeout` seconds at most, all for `seconds`. The worker, like
-    each search, may use `memory_limit` MiB.
+    (belief, attempt) pairs, and at last with Done; or with Unfitting. The program `downward`
+    searches, and for further plans `kstar`, '' if that is not here; all for `seconds` at most.
+    The resources are for each search, and the worker itself.
     """
 
     space: BeliefSpace
@@ -72,9 +70,7 @@ class Ask:
     plans_per_belief: int
     downward: str
     kstar: str
-    workers: int
-    planning_timeout: float
-    memory_limit: int
+    resources: Resources
     seconds: float
 
 

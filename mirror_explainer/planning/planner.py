@@ -21,7 +21,7 @@ from mirror_explainer.planning.beliefs import (
 from mirror_explainer.planning.downward.program import find_downward, find_kstar
 from mirror_explainer.planning.downward.way import DownwardWay
 from mirror_explainer.planning.engines.pool import EnginePool
-from mirror_explainer.planning.limits import Limits, Stop
+from mirror_explainer.planning.limits import Limits, Resources, Stop
 from mirror_explainer.planning.messages import Attempt, Done
 from mirror_explainer.settings import FAST, PlanningSettings
 
@@ -57,12 +57,10 @@ class Planner:
         shortcuts: bool = True,
     ) -> None:
         self._engine = engine
-        self._pool = EnginePool(engine, workers, planning_timeout, memory_limit)
-        self._fast: DownwardWay | None = None
+        resources = Resources(workers, planning_timeout, memory_limit)
+        self._pool = EnginePool(engine, resources)
         downward = find_downward(downward_binary) if shortcuts and engine == FAST else None
-        if downward:
-            limits = workers, planning_timeout, memory_limit
-            self._fast = DownwardWay(downward, find_kstar(), *limits)
+        self._fast = DownwardWay(downward, find_kstar(), resources) if downward else None
         self._busy = threading.Lock()
         self._closed = threading.Event()
         self._known_space: BeliefSpace | None = None

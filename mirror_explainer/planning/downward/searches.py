@@ -71,7 +71,9 @@ class Searches:
     """
 
     def __init__(self, ask: Ask, report: Report) -> None:
-        self._ask = ask
+        self._first = ask.beliefs[0]
+        self._workers = ask.resources.workers
+        self._timeout = ask.resources.planning_timeout
         self._report = report
         self._end = time.monotonic() + ask.seconds
         goals = dict.fromkeys(belief.goal for belief in ask.beliefs)
@@ -108,11 +110,7 @@ class Searches:
                 while time.monotonic() < self._end:
                     for subjects in all_subjects:
                         while subjects.ready:
-                            self._begin(
-                                _Job(
-                                    subjects, subjects.ready.popleft(), self._ask.planning_timeout
-                                )
-                            )
+                            self._begin(_Job(subjects, subjects.ready.popleft(), self._timeout))
                     self._fill(selector)
                     if any(subjects.ready for subjects in all_subjects):
                         continue
@@ -135,8 +133,7 @@ class Searches:
 
     def _queue_up(self, job: _Job) -> None:
         members = job.subject.members
-        first = self._ask.beliefs[0] in members
-        rank = -1 if first else self._rank[members[0].goal]
+        rank = -1 if self._first in members else self._rank[members[0].goal]
         seconds = job.now.seconds if job.now else 0.0
         if job.scout and seconds > FIRST_TRY:
             self._scouting = False
@@ -145,10 +142,10 @@ class Searches:
         heapq.heappush(self._queue, (seconds, rank, next(self._numbers), job))
 
     def _fill(self, selector: selectors.BaseSelector) -> None:
-        while self._queue and len(self._running) < self._ask.workers:
+        while self._queue and len(self._running) < self._workers:
             *_, job = self._queue[0]
             if job.input is None:
-                if self._scouting and self._begun >= self._ask.workers:
+                if self._scouting and self._begun >= self._workers:
                     return
                 alike = job.subject, *job.subject.parents
                 lessons = [task.lesson for task in alike if task.lesson]
@@ -211,7 +208,7 @@ class Searches:
             self._queue_up(job)
         else:
             job.subject.hopeless = not crashed
-            too_long = f'no optimal plan within {self._ask.planning_timeout:g} s'
+            too_long = f'no optimal plan within {self._timeout:g} s'
             self._settle(job, None, unknown(job.reason or too_long, crashed))
 
     def _ended(self, job: _Job, outcome: Outcome) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
-from mirror_explainer.planning.limits import TICK, Limits
+from mirror_explainer.planning.limits import TICK, Limits, Resources
 from mirror_explainer.planning.messages import (
     Ask,
     Attempt,
@@ -40,22 +40,15 @@ _log = logging.getLogger(__name__)
 
 
 class DownwardWay:
-    """A worker process that grounds, and runs `workers` searches at a time.
+    """A worker process that grounds and runs searches, within these resources.
 
     `downward` is the path of the search program, `kstar` of the one for further plans, '' if there
-    is none. A search may take `planning_timeout`
-    seconds; each process may use `memory_limit` MiB. The worker starts at once, so
-    that it is there when it is needed.
+    is none. The worker starts at once, so that it is there when it is needed.
     """
 
-    def __init__(
-        self, downward: str, kstar: str, workers: int, planning_timeout: float, memory_limit: int
-    ) -> None:
-        self._downward = downward
-        self._kstar = kstar
-        self._workers = workers
-        self._timeout = planning_timeout
-        self._memory_limit = memory_limit
+    def __init__(self, downward: str, kstar: str, resources: Resources) -> None:
+        self._programs = downward, kstar
+        self._resources = resources
         self._worker: Worker | None = Worker(_PROGRAM)
 
     def plan(
@@ -101,19 +94,9 @@ class DownwardWay:
         limits: Limits,
         record: Callable[[Belief, Attempt], None],
     ) -> Done | Unfitting:
-        worker.send(
-            Ask(
-                space,
-                tuple(left),
-                plans_per_belief,
-                self._downward,
-                self._kstar,
-                self._workers,
-                self._timeout,
-                self._memory_limit,
-                limits.end - time.monotonic(),
-            )
-        )
+        asked = space, tuple(left), plans_per_belief
+        seconds = limits.end - time.monotonic()
+        worker.send(Ask(*asked, *self._programs, self._resources, seconds))
 
         def take_in(found: _Found) -> None:
             for belief, attempt in found:
@@ -121,7 +104,9 @@ class DownwardWay:
                 record(belief, attempt)
 
         grounded = False
-        grounding_end = time.monotonic() + max(self._timeout, _GROUNDING_SECONDS)
+        grounding_end = time.monotonic() + max(
+            self._resources.planning_timeout, _GROUNDING_SECONDS
+        )
         while True:
             limits.check()
             if limits.expired and not worker.connection.poll(_GRACE):

@@ -35,7 +35,7 @@ class DownwardWorker:
         while True:
             message = self._parent.receive()
             if isinstance(message, Ask):
-                limit_memory(message.memory_limit)
+                limit_memory(message.resources.memory_limit)
                 self._parent.send(self._answer(message))
 
     def _answer(self, ask: Ask) -> Done | Unfitting | Refusal:
@@ -56,7 +56,7 @@ class DownwardWorker:
             return Refusal(str(error), error.cure)
         except MemoryError:
             return Refusal(
-                f'the problem does not fit into {ask.memory_limit} MiB',
+                f'the problem does not fit into {ask.resources.memory_limit} MiB',
                 'Raise planner_memory_limit.',
             )
         except OSError as error:  # the computer's fault, not the texts'

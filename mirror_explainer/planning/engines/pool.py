@@ -13,7 +13,7 @@ from pathlib import Path
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
-from mirror_explainer.planning.limits import TICK, Limits
+from mirror_explainer.planning.limits import TICK, Limits, Resources
 from mirror_explainer.planning.messages import Attempt, Done, Refusal, Setup, unknown
 from mirror_explainer.planning.processes.worker import Worker
 
@@ -35,19 +35,12 @@ class _Seat:
 
 
 class EnginePool:
-    """Worker processes of one engine; started when first needed, kept between calls.
+    """Worker processes of one engine; started when first needed, kept between calls."""
 
-    `planning_timeout` is in seconds for each belief, `memory_limit` in MiB for
-    each process.
-    """
-
-    def __init__(
-        self, engine: str, workers: int, planning_timeout: float, memory_limit: int
-    ) -> None:
+    def __init__(self, engine: str, resources: Resources) -> None:
         self._engine = engine
-        self._workers = workers
-        self._timeout = planning_timeout
-        self._memory_limit = memory_limit
+        self._resources = resources
+        self._timeout = resources.planning_timeout
         self._seats: list[_Seat] = []
 
     def plan(
@@ -80,7 +73,7 @@ class EnginePool:
 
     def _hand_out(self, work: '_Work') -> None:
         in_hand = sum(seat.belief is not None for seat in self._seats)
-        wanted = min(self._workers, in_hand + len(work.pending))
+        wanted = min(self._resources.workers, in_hand + len(work.pending))
         while len(self._seats) < wanted:
             self._seats.append(_Seat(Worker(_PROGRAM)))
         for seat in self._seats:
@@ -94,9 +87,7 @@ class EnginePool:
                 work.calls += 1
             else:
                 seat.space = None  # what it knew is gone, also if it refuses the new one
-                seat.worker.send(
-                    Setup(self._engine, work.space, self._timeout, self._memory_limit)
-                )
+                seat.worker.send(Setup(self._engine, work.space, self._resources))
 
     def _take_in(self, work: '_Work') -> None:
         busy = self._busy()

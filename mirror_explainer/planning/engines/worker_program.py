@@ -139,8 +139,8 @@ def main() -> None:
     while True:
         message = parent.receive()
         if isinstance(message, Setup):
-            engine, seconds = None, message.planning_timeout
-            limit_memory(message.memory_limit)
+            engine, seconds = None, message.resources.planning_timeout
+            limit_memory(message.resources.memory_limit)
             limit_engine(None)
             pddl.forget_expressions()
             try:

@@ -24,16 +24,16 @@ class Grounding:
     `objects` are all objects, as declared.
     """
 
-    task: GroundTask
     goals: tuple[tuple[Fact, ...] | None, ...]
     hard_goals: frozenset[int]
-    negative: frozenset[str]
-    variables: tuple[tuple[str, ...], ...]
-    kept: tuple[int, ...]
-    mutexes: tuple[frozenset[str], ...]
     initial: frozenset[str]
     uncertain: tuple[str, ...]
     objects: tuple[str, ...]
+    task: GroundTask = GroundTask(())
+    negative: frozenset[str] = frozenset()
+    variables: tuple[tuple[str, ...], ...] = ()
+    kept: tuple[int, ...] = ()
+    mutexes: tuple[frozenset[str], ...] = ()
 
     def initial_state(self, atoms: frozenset[str]) -> State | None:
         """Return the state in which exactly these atoms hold, None if there is no such state."""

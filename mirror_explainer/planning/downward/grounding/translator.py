@@ -10,7 +10,7 @@ action for each goal, and they are taken out again afterwards.
 import contextlib
 import io
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fast_downward.translate import (
@@ -205,31 +205,24 @@ def _grounding(
     kept = tuple(numbers[tuple(names)] for names in sas.variables.value_names)
     goals, hard_goals = _goals(sas, len(lists.goals))
     sas.operators = [o for o in sas.operators if not _is_goal(canonical_name(o))]
-    return Grounding(
-        task=_ground_task(sas),
+    return replace(
+        _without_any_plan(lists, apart | hard_goals),
         goals=goals,
-        hard_goals=hard_goals | apart,
+        task=_ground_task(sas),
         negative=negative,
         variables=variables,
         kept=kept,
         mutexes=mutexes,
-        initial=initial_atoms(lists),
-        uncertain=_uncertain(lists),
-        objects=lists.objects,
     )
 
 
 def _without_any_plan(lists: Lists, apart: frozenset[int]) -> Grounding:
+    """Return the grounding of a task in which no goal but those `apart` can be reached."""
     return Grounding(
-        task=GroundTask(()),
         goals=(None,) * len(lists.goals),
         hard_goals=apart,
-        negative=frozenset(),
-        variables=(),
-        kept=(),
-        mutexes=(),
         initial=initial_atoms(lists),
-        uncertain=_uncertain(lists),
+        uncertain=tuple(atom_name(fact) for fact in lists.facts),
         objects=lists.objects,
     )
 
@@ -237,10 +230,6 @@ def _without_any_plan(lists: Lists, apart: frozenset[int]) -> Grounding:
 def initial_atoms(lists: Lists) -> frozenset[str]:
     """Return the atoms that hold initially, by the translator's names."""
     return frozenset(atom_name(fact) for fact in lists.initial_facts)
-
-
-def _uncertain(lists: Lists) -> tuple[str, ...]:
-    return tuple(atom_name(fact) for fact in lists.facts)
 
 
 def _is_goal(action_name: str) -> bool:
@@ -275,14 +264,10 @@ def _ground_task(sas: sas_tasks.SASTask) -> GroundTask:
         Operator(
             canonical_name(operator),
             tuple(operator.get_applicability_conditions()),
-            tuple(_unique((variable, post) for variable, _, post, _ in operator.pre_post)),
+            tuple(dict.fromkeys((variable, post) for variable, _, post, _ in operator.pre_post)),
             operator.cost,
         )
         for operator in sas.operators
     )
     mutexes = tuple(frozenset(group.facts) for group in sas.mutexes)
     return GroundTask(tuple(operators), tuple(sas.variables.ranges), mutexes)
-
-
-def _unique(facts: Iterable[Fact]) -> Iterable[Fact]:
-    return dict.fromkeys(facts)
