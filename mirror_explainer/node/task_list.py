@@ -28,8 +28,18 @@ from mirror_explainer.text_files import read_text
 STANDINGS = ('ahead', 'running', 'done', 'skipped', 'failed')
 REASONED = ('skipped', 'failed')  # with these may go a reason
 TOPICS = ('domain', 'problem', 'progress', 'plan')
+_TOLD = re.compile(r'([^\W\d_]+)\s*:\s*(.*)')  # a word before a colon, and the rest
+_BECAUSE = re.compile(r'\s+because\b:?\s*', re.IGNORECASE)
 _NEVER = 'never_told'  # a task that is never done
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class _Task(NamedTuple):
+    """A task, how it stands, and why it does, '' if that is not told."""
+
+    name: str
+    standing: str
+    reason: str
 
 
 class TaskList:
@@ -52,7 +62,7 @@ class TaskList:
         self._known = _spelling([*named, *known])
         self._goal = ''
         self._told: dict[str, str] = {}
-        self._list: list[tuple[str, str, str]] = []  # as it was told last, with these ends
+        self._list: list[_Task] = []  # as it was told last, with these ends
         self._ends: Collection[str] = ()
         self._log, self._warned = node.get_logger(), set[str]()
         self._tree: TreeNode | None = None  # that has been ticked
@@ -77,10 +87,10 @@ class TaskList:
             told = _broken_off(self._list)
             ends = self._ends if told else ends
         self._tell(_reasoned(told, reason), ends)
-        if reason and not any(standing in REASONED for _, standing, _ in told):
+        if reason and not any(task.standing in REASONED for task in told):
             self._warn(f'nobody hears why: "{reason}", since no task was skipped, or failed')
 
-    def _tell(self, tasks: list[tuple[str, str, str]], ends: Collection[str]) -> None:
+    def _tell(self, tasks: list[_Task], ends: Collection[str]) -> None:
         texts = task_texts(tasks, ends)
         self._list, self._ends = tasks, ends
         self._known |= texts.names
@@ -103,7 +113,9 @@ class TaskList:
         tasks = [] if is_given_up else tree_tasks(root, leaves, self._tree_tasks)
         self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
         named = {task for task, *_ in tasks}
-        told = _reasoned([_checked(task) for task in tasks], failure_reason(root, leaves))
+        told = [_checked(task) for task in tasks]
+        if any(task.standing == 'failed' for task in told):
+            told = _reasoned(told, failure_reason(root, leaves))
         self._tell(told, [end for end in ends if end in named])
 
     def _warn(self, sentence: str) -> None:
@@ -134,21 +146,21 @@ class TaskTexts(NamedTuple):
 def task_texts(tasks: Iterable[ToldTask], ends: Collection[str] = ()) -> TaskTexts:
     """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
     told = [_checked(task) for task in tasks]
-    names = _spelling(task for task, *_ in told)
-    named = [(task_name(task).lower(), standing) for task, standing, _ in told]
+    names = _spelling(task.name for task in told)
+    named = [task._replace(name=task_name(task.name).lower()) for task in told]
     for end in ends:
         if task_name(end).lower() not in names:
-            raise _no_task(end, [task for task, *_ in told])
+            raise _no_task(end, [task.name for task in told])
     goals = dict.fromkeys([task_name(end).lower() for end in ends] or names)
     return TaskTexts(
         names=names,
-        done=frozenset(name for name, standing in named if standing == 'done'),
+        done=frozenset(task.name for task in named if task.standing == 'done'),
         goal=f'(and {" ".join(f"(done {name})" for name in goals)})' if goals else '',
-        plan='\n'.join(f'(do {name})' for name, _ in named),
+        plan='\n'.join(f'(do {task.name})' for task in named),
         progress='\n'.join(
-            f'{standing}: (do {name}){_because(why)}'
-            for (name, standing), (_, _, why) in zip(named, told, strict=True)
-            if standing != 'ahead'
+            f'{task.standing}: (do {task.name}){_because(task.reason)}'
+            for task in named
+            if task.standing != 'ahead'
         ),
     )
 
@@ -176,17 +188,21 @@ def parsed_tasks(text: str) -> list[ToldTask]:
     """Return the tasks that a text names, one a line: `done: fetch the cup`, `wipe the table`.
 
     A line without a standing is a task that is ahead. What failed, or was skipped, may have a
-    reason, as in `failed: wipe the table because the sponge is dry`.
+    reason, as in `failed: wipe the table because the sponge is dry`. Raises InputError for
+    another word before a colon.
     """
     tasks: list[ToldTask] = []
-    for line in filter(None, map(str.strip, text.splitlines())):
-        standing, colon, task = (part.strip() for part in line.partition(':'))
-        if not colon or (standing := standing.lower()) not in STANDINGS:
-            standing, task = 'ahead', line
-        reason = ''
-        if standing in REASONED:
-            task, _, reason = task.partition(' because ')
-        tasks.append((task, standing, reason.strip()) if reason else (task, standing))
+    for number, line in enumerate(map(str.strip, text.splitlines()), start=1):
+        if not line:
+            continue
+        found = _TOLD.fullmatch(line)
+        standing, task = (found[1].lower(), found[2]) if found else ('ahead', line)
+        if standing not in STANDINGS:
+            cure = f'Before a colon stands {", ".join(STANDINGS)}; what is ahead needs nothing.'
+            fault = f'"{standing}" is no standing of a task{did_you_mean(standing, STANDINGS)}'
+            raise InputError('tasks', fault, number, cure=cure)
+        task, *reason = _BECAUSE.split(task, 1) if standing in REASONED else [task]
+        tasks.append((task, standing, reason[0]) if reason else (task, standing))
     return tasks
 
 
@@ -198,7 +214,7 @@ def task_name(task: str) -> str:
     return name if name[0].isalpha() else f'task_{name}'
 
 
-def _checked(given: object) -> tuple[str, str, str]:
+def _checked(given: object) -> _Task:
     """Return a task, its standing and the reason for that; raises InputError for what is none."""
     match given:
         case [str(task), str(standing)]:
@@ -215,38 +231,37 @@ def _checked(given: object) -> tuple[str, str, str]:
         raise InputError('tasks', f'a task is {", ".join(STANDINGS)}, not "{standing}"{meant}')
     if reason and standing not in REASONED:
         raise InputError('tasks', f'"{task}" is {standing}: it needs no reason')
-    return task, standing, reason
+    return _Task(task, standing, reason)
 
 
-def _one_after_the_other(tasks: list[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
+def _one_after_the_other(tasks: list[_Task]) -> list[_Task]:
     """Return tasks done in this order: what failed before a later one began was skipped."""
-    begun = [at for at, task in enumerate(tasks) if task[1] in ('running', 'done')]
+    begun = [at for at, task in enumerate(tasks) if task.standing in ('running', 'done')]
     last = max(begun, default=0)
     return [
-        (task, 'skipped' if standing == 'failed' and at < last else standing, why)
-        for at, (task, standing, why) in enumerate(tasks)
+        task._replace(standing='skipped') if task.standing == 'failed' and at < last else task
+        for at, task in enumerate(tasks)
     ]
 
 
-def _broken_off(tasks: list[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
+def _broken_off(tasks: list[_Task]) -> list[_Task]:
     """Return the tasks of a robot that had to stop: what it was at failed, or was to do next.
 
     None where nothing was left to do.
     """
-    left = [at for at, task in enumerate(tasks) if task[1] not in ('done', 'skipped')]
-    failed = [at for at in left if tasks[at][1] == 'running'] or left[:1]
-    told = [(task[0], 'failed', '') if at in failed else task for at, task in enumerate(tasks)]
-    return told if failed else []
+    left = [task for task in tasks if task.standing not in ('done', 'skipped')]
+    failed = [task for task in left if task.standing == 'running'] or left[:1]
+    return [task._replace(standing='failed') if task in failed else task for task in tasks if left]
 
 
-def _reasoned(tasks: list[tuple[str, str, str]], reason: str) -> list[tuple[str, str, str]]:
+def _reasoned(tasks: list[_Task], reason: str) -> list[_Task]:
     """Return tasks with the reason of those that failed, else of the last that was skipped."""
-    failed = [at for at, task in enumerate(tasks) if task[1] == 'failed']
-    skipped = [at for at, task in enumerate(tasks) if task[1] == 'skipped']
+    failed = [at for at, task in enumerate(tasks) if task.standing == 'failed']
+    skipped = [at for at, task in enumerate(tasks) if task.standing == 'skipped']
     reasoned = failed or skipped[-1:]
     return [
-        (task, standing, why or (reason if at in reasoned else ''))
-        for at, (task, standing, why) in enumerate(tasks)
+        task._replace(reason=task.reason or reason) if at in reasoned else task
+        for at, task in enumerate(tasks)
     ]
 
 

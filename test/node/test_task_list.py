@@ -87,9 +87,15 @@ def test_a_text_names_a_task_a_line():
     tasks = [('Boil water', 'done'), ('Bring the tea', 'running'), ('room 3: clean', 'ahead')]
     assert parsed_tasks(text) == tasks
     assert parsed_tasks(stuck) == [*tasks, ('Knock', 'failed', 'it is late; 9 pm')]
-    assert parsed_tasks('skipped: Wait because no one came') == [
-        ('Wait', 'skipped', 'no one came')
-    ]
+    away = [('Wait', 'skipped', 'no one came')]
+    assert parsed_tasks('skipped: Wait because no one came') == away
+    assert parsed_tasks('Skipped: Wait because: no one came') == away
+
+
+def test_a_text_with_another_word_for_how_a_task_stands_is_refused():
+    with pytest.raises(InputError, match='line 2: "runing" is no standing .* "running"') as error:
+        parsed_tasks('Boil water\nRuning: bring the tea')
+    assert 'ahead, running, done, skipped, failed' in error.value.cure
 
 
 def test_what_failed_or_was_skipped_has_its_reason_on_one_line_without_a_comment():
@@ -279,4 +285,5 @@ def test_a_robot_that_sends_its_tasks_as_a_text_is_explained(asked, tmp_path, wa
         assert asked.answer() == 'I will bring the tea.'
         asked.publish('tasks', 'done: !', latched=False)
         eventually(lambda: 'a task needs a name' in process.log, 'what is wrong in the log')
+        assert asked.answer() == 'I will bring the tea.'
         assert 'incompatible QoS' not in process.log
