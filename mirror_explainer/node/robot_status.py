@@ -68,10 +68,10 @@ class RobotStatus:
         if progress and is_new and plan.heard.seconds_since(progress.heard) > _TOGETHER_SECONDS:
             self._stale, progress = progress, None  # it is about the plan before
         if progress:
+            if problem.text != self._told_in:
+                situation = gone_back(situation, progress.text, first)
             if situation.begins_again(progress.text):
                 situation = begun_again(situation)
-            elif problem.text != self._told_in:
-                situation = gone_back(situation, progress.text, first)
             situation = situation.telling(progress.text, progress.source)
             if progress.text != self._told:
                 self._told, self._told_in = progress.text, problem.text

@@ -137,7 +137,7 @@ def next_situation(
 
 
 def begun_again(situation: Situation) -> Situation:
-    """Return the situation of a robot that carries out the same plan once more."""
+    """Return the situation of a robot that carries out the same plan once more, as before."""
     return replace(
         situation,
         seen=Progress.none(len(situation.episode.steps)),
@@ -150,9 +150,9 @@ def begun_again(situation: Situation) -> Situation:
 
 
 def gone_back(situation: Situation, text: str, first: Callable[[], Situation]) -> Situation:
-    """Return the situation of a robot that does steps of its plan again before it is done.
+    """Return the situation of a robot that does steps of its plan again, from a newer state.
 
-    It tells that by a progress text, and its newer state agrees; else nothing has changed. `first`
+    It tells that by a progress text, and the state agrees; else nothing has changed. `first`
     returns its situation by its newest messages, were they the first, as `situation_of` does.
     """
     told = read_progress(text, situation.episode.actions)
@@ -164,7 +164,10 @@ def gone_back(situation: Situation, text: str, first: Callable[[], Situation]) -
         return situation
     if new.episode.actions != situation.episode.actions or told.undone(new.seen):
         return situation
-    reason = REPLANNED if told.positions(StepStatus.DONE) else RESTARTED
+    if situation.told.finished:
+        reason = AGAIN
+    else:
+        reason = REPLANNED if told.positions(StepStatus.DONE) else RESTARTED
     number = situation.number + 1
     return replace(new, number=number, reason=reason, put_off=situation.put_off)
 

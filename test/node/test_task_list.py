@@ -184,6 +184,18 @@ def test_tasks_in_the_place_of_some_are_another_plan_and_other_tasks_a_new_one(r
     assert begun('Collect the cups', 'Fill the can') == 'I have a new task.'
 
 
+def test_a_round_after_one_that_was_heard_of_in_its_middle_is_told_from_its_beginning(robot):
+    tasks = ['Collect the cups', 'Wipe the table']
+    robot.tasks.tell([(tasks[0], 'done'), (tasks[1], 'running')])
+    robot.answer()
+    robot.tasks.tell([(task, 'done') for task in tasks])
+    robot.answer()
+    robot.tasks.tell([(task, 'ahead') for task in tasks])
+
+    assert robot.answer() == 'I will collect the cups and wipe the table.'
+    assert json.loads(robot.published[-1][1])['episode']['reason'] == 'again'
+
+
 def test_a_robot_that_goes_back_in_its_list_begins_it_again(robot):
     failed = [(TEA[0], 'done'), (TEA[1], 'failed'), (TEA[2], 'ahead')]
     robot.tasks.tell(failed, reason='the tap is shut')
