@@ -13,7 +13,7 @@ from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.preparation import Preparation, prepare
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.node.goal_counter import GoalCounter
-from mirror_explainer.node.inputs import Inputs, Text
+from mirror_explainer.node.inputs import USER_MODEL, Inputs, Text
 from mirror_explainer.node.readiness import Phase, Readiness, internal_error, planning
 from mirror_explainer.node.robot_status import RobotStatus
 from mirror_explainer.node.stop_request import StopRequest
@@ -71,9 +71,12 @@ class InputReader:
         try:
             if inputs.missing:
                 self._check_alone(inputs)
+                if inputs.missing == (USER_MODEL,) and self._goals.is_wanted:
+                    self._count_goal(inputs, stop)
+                waiting = f'waiting for {", ".join(inputs.missing)}'
                 return Readiness(
                     Phase.WAITING,
-                    f'waiting for {", ".join(inputs.missing)}',
+                    '; '.join(filter(None, (waiting, self._goals.warning))),
                     cure=_START,
                     spoken=self.phrases.not_ready if inputs.plan else self.phrases.no_plan_yet,
                 )
@@ -105,6 +108,13 @@ class InputReader:
             )
             self.phrases = user_model.phrases
 
+    def _count_goal(self, inputs: Inputs, stop: StopRequest) -> None:
+        """Count the robot's goal where nothing is known yet of a listener."""
+        domain = self._domain(inputs)
+        read = partial(self._read, domain, inputs, stop)
+        situation = self._robot.update(domain.text, inputs, read)
+        self._goals.before(situation, read(situation.problem).goal_text, inputs.limits)
+
     def _prepare(self, inputs: Inputs, stop: StopRequest) -> Preparation:
         """Return what is known once all is read, without any planning.
 
@@ -114,10 +124,8 @@ class InputReader:
         started = time.perf_counter()
         limits, problem = inputs.limits, inputs.problem
         read_file = partial(self.files.read, limits=limits)
-        domain = inputs.domain or Text(read_file(inputs.domain_file), inputs.domain_file)
-
-        def read(text: str) -> Task:
-            return self._read(domain, Text(text, problem.source), limits, stop)
+        domain = self._domain(inputs)
+        read = partial(self._read, domain, inputs, stop)
 
         def user_model_for(task: Task) -> UserModel:
             user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
@@ -169,8 +177,15 @@ class InputReader:
         """Return the inputs with the revision of the files that were read for them."""
         return replace(inputs, files_revision=self.files.revision)
 
-    def _read(self, domain: Text, problem: Text, limits: InputLimits, stop: StopRequest) -> Task:
-        """Return the task, read again only when its texts or the limits changed."""
+    def _domain(self, inputs: Inputs) -> Text:
+        if inputs.domain:
+            return inputs.domain
+        return Text(self.files.read(inputs.domain_file, inputs.limits), inputs.domain_file)
+
+    def _read(self, domain: Text, inputs: Inputs, stop: StopRequest, text: str) -> Task:
+        """Return the task of a problem, read again only when texts or limits changed."""
+        assert inputs.problem  # not missing
+        problem, limits = Text(text, inputs.problem.source), inputs.limits
         if self._task is None or self._task[:3] != (domain, problem, limits):
             self._task = None
             task = self._reader.read(

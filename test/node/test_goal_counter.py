@@ -208,6 +208,20 @@ def test_a_running_explainer_counts_and_a_listener_who_knows_takes_it_into_accou
     assert read_goals_seen(str(file)).counts == {GOAL: 26, OTHER_GOAL: 1}
 
 
+def test_goals_are_counted_before_there_is_a_user_model(operator, tmp_path: Path):
+    file = tmp_path / 'seen.yaml'
+    robot: Operator = operator(goals_seen_file=str(file))
+    robot.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
+    robot.refusal()
+    robot.publish(problem=OTHER, plan='\n'.join([*LINES[:2], *LINES[5:]]))
+    robot.refusal()
+    assert read_goals_seen(str(file)).counts == {GOAL: 1, OTHER_GOAL: 1}
+
+    robot.set(user_model_file=str(WAREHOUSE / 'user_model.yaml'))
+    robot.answer()
+    assert read_goals_seen(str(file)).counts == {GOAL: 1, OTHER_GOAL: 1}
+
+
 def test_a_file_that_cannot_be_used_takes_no_answer_away(operator, tmp_path: Path):
     file = tmp_path / 'seen.yaml'
     break_it(file)
