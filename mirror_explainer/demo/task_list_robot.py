@@ -15,7 +15,8 @@ from std_msgs.msg import String
 from mirror_explainer.commands.terminal import command_parser
 from mirror_explainer.demo.run import run
 from mirror_explainer.errors import InputError, told
-from mirror_explainer.node.task_list import LATCHED, TaskList, parsed_tasks
+from mirror_explainer.node.robot_topics import LATCHED
+from mirror_explainer.node.task_list import TaskList, parsed_tasks
 
 
 class TaskListRobot(Node):

@@ -16,8 +16,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_action_status_default
-from std_msgs.msg import Empty, String
+from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from std_msgs.msg import Empty
 
 from mirror_explainer.errors import InputError, told
 from mirror_explainer.node.plansys2_execution import (
@@ -31,10 +31,10 @@ from mirror_explainer.node.plansys2_execution import (
     goal_of,
 )
 from mirror_explainer.node.plansys2_messages import Messages, plansys2_messages
+from mirror_explainer.node.robot_topics import LATCHED, RobotTopics
 from mirror_explainer.node.start import parsed, refuse
 from mirror_explainer.node.surroundings import package_version
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MANY = QoSProfile(depth=1000)  # one message an action and second, all at once
 PERIOD = 0.1  # s between two looks at what is to be asked and told
 PAUSE = 1.0  # s until a call that was refused is made again
@@ -57,11 +57,7 @@ class Plansys2Bridge(Node):
 
     def __init__(self, messages: Messages) -> None:
         super().__init__('plansys2_bridge')
-        self._outputs = {
-            topic: self.create_publisher(String, topic, LATCHED)
-            for topic in ('domain', 'problem', 'plan', 'progress')
-        }
-        self._told: dict[str, str] = {}
+        self._topics = RobotTopics(self)
         self._domain = _Service(
             self, messages.GetDomain, 'domain_expert/get_domain', 'domain', self._on_domain
         )
@@ -136,10 +132,10 @@ class Plansys2Bridge(Node):
         return {bytes(info.endpoint_gid) for info in self.get_publishers_info_by_topic(topic)}
 
     def _on_domain(self, text: str) -> None:
-        self._tell('domain', text)
+        self._topics.tell(domain=text)
 
     def _on_problem(self, text: str) -> None:
-        self._tell('problem', text)
+        self._topics.tell(problem=text)
         if self._stuck and goal_of(text) != self._goal:
             self._execution, self._stuck = Execution.of(()), False
             self._plan_waits = True
@@ -191,7 +187,7 @@ class Plansys2Bridge(Node):
     def _tell_plan(self) -> None:
         """Tell the plan, and how far the robot is with it; first, since that was of another."""
         self._plan_waits = False
-        problem = self._told.get('problem', '')
+        problem = self._topics.told('problem')
         if self._over:
             if goal_holds(problem):  # PlanSys2 may not say so of the last actions
                 self._execution = self._execution.finished()
@@ -199,17 +195,14 @@ class Plansys2Bridge(Node):
             self._execution, self._over = Execution.of(()), False
         elif not self._stuck:
             self._goal = goal_of(problem)
-        self._tell_progress()
-        self._tell('plan', self._execution.plan)
+        self._tell_progress(plan=self._execution.plan)
 
-    def _tell_progress(self) -> None:
-        if self._execution.actions:  # what was done of a plan stays done when that is over
-            self._tell('progress', self._execution.progress)
-
-    def _tell(self, topic: str, text: str) -> None:
-        if self._told.get(topic) != text:
-            self._told[topic] = text
-            self._outputs[topic].publish(String(data=text))
+    def _tell_progress(self, **plan: str) -> None:
+        """Tell how far the robot is, together with a plan if one is given."""
+        execution = self._execution
+        # What was done of a plan stays done when that is over.
+        progress = {'progress': execution.progress} if execution.actions else {}
+        self._topics.tell(**progress, **plan)
 
 
 class _Service:

@@ -11,8 +11,6 @@ from typing import NamedTuple
 
 from ament_index_python.packages import get_package_share_directory
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import String
 
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.node.behaviour_tree import (
@@ -23,15 +21,14 @@ from mirror_explainer.node.behaviour_tree import (
     failure_reason,
     tree_tasks,
 )
+from mirror_explainer.node.robot_topics import RobotTopics
 from mirror_explainer.text_files import read_text
 
 STANDINGS = ('ahead', 'running', 'done', 'skipped', 'failed')
 REASONED = ('skipped', 'failed')  # with these may go a reason
-TOPICS = ('domain', 'problem', 'progress', 'plan')
 _TOLD = re.compile(r'([^\W\d_]+)\s*:\s*(.*)')  # a word before a colon, and the rest
 _BECAUSE = re.compile(r'\s+because\b:?\s*', re.IGNORECASE)
 _NEVER = 'never_told'  # a task that is never done
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class _Task(NamedTuple):
@@ -61,15 +58,14 @@ class TaskList:
         named = named_tasks(read_text(user_model_file)) if user_model_file else ()
         self._known = _spelling([*named, *known])
         self._goal = ''
-        self._told: dict[str, str] = {}
         self._list: list[_Task] = []  # as it was told last, with these ends
         self._ends: Collection[str] = ()
         self._log, self._warned = node.get_logger(), set[str]()
         self._tree: TreeNode | None = None  # that has been ticked
         self._tree_tasks: list[ToldTask] = []  # as they were told last
-        self._outputs = {topic: node.create_publisher(String, topic, LATCHED) for topic in TOPICS}
+        self._topics = RobotTopics(node)
         share = Path(get_package_share_directory('mirror_explainer'))
-        self._publish('domain', (share / 'config' / 'tasks' / 'domain.pddl').read_text())
+        self._topics.tell(domain=(share / 'config' / 'tasks' / 'domain.pddl').read_text())
 
     def tell(
         self, tasks: Iterable[ToldTask], ends: Collection[str] = (), reason: str = ''
@@ -95,9 +91,8 @@ class TaskList:
         self._list, self._ends = tasks, ends
         self._known |= texts.names
         self._goal = texts.goal or self._goal
-        self._publish('problem', problem_text(self._known.values(), texts.done, self._goal))
-        self._publish('progress', texts.progress)
-        self._publish('plan', texts.plan)
+        problem = problem_text(self._known.values(), texts.done, self._goal)
+        self._topics.tell(problem=problem, progress=texts.progress, plan=texts.plan)
 
     def tell_tree(self, root: TreeNode, leaves: Kinds, ends: Collection[str] = ()) -> None:
         """Tell the tasks that a behaviour tree of py_trees means to do (see `tree_tasks`).
@@ -122,11 +117,6 @@ class TaskList:
         if sentence not in self._warned:
             self._warned.add(sentence)
             self._log.warning(sentence)
-
-    def _publish(self, topic: str, text: str) -> None:
-        if self._told.get(topic) != text:
-            self._told[topic] = text
-            self._outputs[topic].publish(String(data=text))
 
 
 class TaskTexts(NamedTuple):

@@ -138,6 +138,8 @@ class Updates:
                 inputs = replace(inputs, files_revision=before.inputs.files_revision)
             if inputs != before.inputs:
                 self._begin(inputs, 0.0 if self._is_pending else SETTLING_SECONDS)
+            else:  # the same may have been heard again
+                self._newest = replace(self._newest, inputs=inputs)
 
     def look_at_files(self, timeout: float = -1.0) -> bool:
         """Work again if a file that was read has changed since; return whether one has.

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 from patience import eventually
@@ -11,6 +12,7 @@ from task_robot import robot_of
 from test_live_explainer import operator
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.node.robot_topics import RobotTopics
 from mirror_explainer.node.task_list import (
     TaskList,
     named_tasks,
@@ -269,6 +271,27 @@ def asked(peer, tmp_path, warehouse):
     model = warehouse.parent / 'tasks' / 'user_model.yaml'
     with explainer(peer, tmp_path, user_model_file=str(model), n=1):
         yield peer
+
+
+def test_progress_is_told_with_each_new_plan_and_else_only_when_it_is_new():
+    told: list[tuple[str, str]] = []
+
+    def create_publisher(_, topic, __):
+        return SimpleNamespace(publish=lambda message: told.append((topic, message.data)))
+
+    topics = RobotTopics(SimpleNamespace(create_publisher=create_publisher))
+    running = 'running: (do boil_water)'
+    plans = '(do boil_water)\n(do bring_the_tea)', '(do boil_water)'
+    topics.tell(progress=running, plan=plans[0])
+    topics.tell(progress=running, plan=plans[0])
+    topics.tell(progress=running, plan=plans[1])
+    topics.tell(progress='done: (do boil_water)', plan=plans[1])
+
+    assert told == [
+        *(('progress', running), ('plan', plans[0])),
+        *(('progress', running), ('plan', plans[1])),
+        ('progress', 'done: (do boil_water)'),
+    ]
 
 
 def test_a_node_of_the_robots_tells_the_explainer_its_tasks(asked):

@@ -227,6 +227,17 @@ def test_a_new_plan_that_does_not_fit_its_problem_is_not_told_while_they_never_r
     assert robot.told == []
 
 
+def test_what_is_heard_again_counts_as_heard_now(monkeypatch, played):
+    monkeypatch.setattr(module, 'SETTLING_SECONDS', 0.5)
+    robot = played()
+    robot.submit('plan', heard_before=(60.0, 0.0))
+    robot.submit('plan')
+    robot.updates.wait(PATIENCE)
+
+    (read,) = robot.reader.asked
+    assert read.plan.heard.seconds_since(read.problem.heard) > -30.0
+
+
 def test_a_plan_that_comes_long_before_its_problem_is_not_told_to_be_wrong(monkeypatch, played):
     monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
     robot = played(
