@@ -62,7 +62,7 @@ def main() -> int:
     thread = threading.Thread(target=executor.spin, daemon=True)
     thread.start()
     try:
-        if not is_there(client, wanted.timeout):
+        if not is_there(node, client, wanted.timeout):
             return 1
         if wanted.once:
             return ask_once(client, wanted.timeout)
@@ -76,11 +76,20 @@ def main() -> int:
         rclpy.try_shutdown()
 
 
-def is_there(client, timeout: float) -> bool:
-    """Wait for the explainer; return whether it is there."""
+def is_there(node: Node, client, timeout: float) -> bool:
+    """Wait for the explainer; return whether it is there. Tell of those of other namespaces."""
     if client.wait_for_service(min(timeout, 5 * PAUSE)):
         return True
-    tell(f'nothing offers {client.srv_name} yet: is the explainer running? Waiting for it.')
+    name = node.resolve_service_name('verbalize_plan')
+    others = [
+        other.removesuffix('/verbalize_plan') or '/'
+        for other, _ in node.get_service_names_and_types()
+        if other.endswith('/verbalize_plan') and other != name and node.count_services(other)
+    ]
+    hint = 'is the explainer running?'
+    if others:
+        hint = f'explainers are in {", ".join(others)} (--ros-args -r __ns:={others[0]}).'
+    tell(f'nothing offers {name} yet: {hint} Waiting for it.')
     if client.wait_for_service(timeout):
         return True
     tell('the explainer did not start')

@@ -20,9 +20,9 @@ SCRIPT = Path(__file__).parents[2] / 'scripts' / 'ask.py'
 
 
 @contextmanager
-def asking(peer: Peer, log: Path, *options: str) -> Iterator[subprocess.Popen]:
-    """Run the script with options in the peer's namespace."""
-    namespace = ['--ros-args', '-r', f'__ns:={peer.node.get_namespace()}']
+def asking(peer: Peer, log: Path, *options: str, beside: str = '') -> Iterator[subprocess.Popen]:
+    """Run the script with options in the peer's namespace, or one beside it."""
+    namespace = ['--ros-args', '-r', f'__ns:={peer.node.get_namespace()}{beside}']
     words = [sys.executable, SCRIPT, *options, *namespace]
     with log.open('w') as output:
         process = subprocess.Popen(
@@ -68,10 +68,13 @@ def test_asked_once_it_says_no_more_than_the_robot(peer: Peer, tmp_path: Path) -
     assert after.read_text() == f'{said}\n'
 
 
-def test_ctrl_c_ends_it_quietly_while_it_waits_for_the_node(peer: Peer, tmp_path: Path) -> None:
+def test_ctrl_c_ends_it_quietly_while_it_waits_for_a_node_that_is_elsewhere(
+    peer: Peer, tmp_path: Path
+) -> None:
     log = tmp_path / 'asked.txt'
-    with asking(peer, log) as process:
-        eventually(lambda: 'is the explainer running?' in log.read_text(), 'a word of it')
+    there = f'{peer.node.get_namespace()} (--ros-args -r __ns:={peer.node.get_namespace()}).'
+    with explainer(peer, tmp_path), asking(peer, log, beside='_2') as process:
+        eventually(lambda: there in log.read_text(), 'a word of it, and where one is')
         process.send_signal(signal.SIGINT)
         assert process.wait(PATIENCE) == 130
 
