@@ -36,7 +36,11 @@ class Visitor:
             'Cookie': '; '.join(f'{name}={value}' for name, value in self.cookies.items()),
             'Content-Type': 'application/x-www-form-urlencoded',
         }
-        self.connection.request(method, path, body, headers)
+        try:
+            self.connection.request(method, path, body, headers)
+        except ConnectionError:  # the server ends what was idle for two minutes, of slow crowds
+            self.connection.close()
+            self.connection.request(method, path, body, headers)
         response = self.connection.getresponse()
         self.html = response.read().decode()
         for header in response.headers.get_all('Set-Cookie', []):
