@@ -7,6 +7,7 @@ from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
+from mirror_explainer.pddl.progress import read_progress
 from mirror_explainer.pddl.situation import (
     Situation,
     begun_again,
@@ -49,7 +50,10 @@ class RobotStatus:
         assert problem and plan  # nothing is missing
         steps = without_dummy(read(problem.text), read_plan(plan.text, plan.source, inputs.limits))
         progress = inputs.progress if inputs.progress is not self._stale else None
-        given = (domain, problem.text, steps, read, plan.source, inputs.limits)
+        tells = None
+        if progress and plan.heard.seconds_since(progress.heard) <= _TOGETHER_SECONDS:
+            tells = partial(read_progress, progress.text, source=progress.source)
+        given = (domain, problem.text, steps, read, plan.source, inputs.limits, tells)
         first = partial(situation_of, *given)
         try:
             if before is None:
@@ -65,7 +69,7 @@ class RobotStatus:
                 cure='Nothing is to be done if it has no task now: its next plan is explained.',
             ) from error
         is_new = before is None or situation.number != before.number
-        if progress and is_new and plan.heard.seconds_since(progress.heard) > _TOGETHER_SECONDS:
+        if progress and is_new and tells is None:
             self._stale, progress = progress, None  # it is about the plan before
         if progress:
             if problem.text != self._told_in:

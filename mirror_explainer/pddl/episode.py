@@ -73,17 +73,20 @@ def begin(
     steps: Sequence[Step],
     source: str = 'plan',
     limits: InputLimits | None = None,
+    done: Collection[int] = (),
 ) -> tuple[Episode, Progress]:
     """Return the episode that a task and a plan begin, or are in the middle of.
 
-    Where the plan cannot be carried out from the task's state, something of it may have
-    happened: what its steps changed is taken back. Where that cannot be, the longest rest of
-    the plan that can be carried out from the state is the episode. Raises InputError as
+    What the steps changed that are `done`, by position, is taken back, as far as the task's
+    state has it. Where the plan cannot be carried out from that state, something of it may
+    have happened: what its steps changed is taken back. Where that cannot be, the longest rest
+    of the plan that can be carried out from the state is the episode. Raises InputError as
     `check_plan` does.
     """
     run, fault = tried(task, steps, source, limits)
     evaluator = Evaluator(task)
     if fault is None:
+        run = _whole(task, steps, run, done, evaluator) or run
         return _episode(task, steps, run, evaluator), Progress.none(len(steps))
     joined = _joined(task, steps, evaluator) or _rest(task, steps, evaluator)
     if joined is None:
@@ -151,6 +154,18 @@ def _changed(step: GroundStep, happening: Happening, evaluator: Evaluator) -> It
         if effect.fluent.fluent().type.is_bool_type():
             for own in evaluator.bindings(effect.forall, step.binding):
                 yield evaluator.atom(effect.fluent, own)
+
+
+def _whole(
+    task: Task, steps: Sequence[Step], run: Run, done: Collection[int], evaluator: Evaluator
+) -> Run | None:
+    """Return the run from the state before the steps that are done; None if that cannot be."""
+    given, state = ground(evaluator, steps), evaluator.first_state()
+    happened = [happening for happening in run.happenings if happening.step in done]
+    first = taken_back(state, happened, given, evaluator)
+    if first is None or not is_plausible(first, evaluator.model):
+        return None
+    return outcome(task, given, run.happenings, first, evaluator)
 
 
 def _joined(

@@ -18,6 +18,9 @@ from mirror_explainer.pddl.task import Task
 FIRST, NEW_TASK, AGAIN = 'first', 'new task', 'again'
 REPLANNED, RESTARTED, RESUMED = 'replanned', 'restarted', 'resumed'
 
+# Returns the progress that the robot tells of a plan with these actions.
+Tells = Callable[[Sequence[str]], Progress]
+
 
 @dataclass(frozen=True)
 class Situation:
@@ -78,14 +81,18 @@ def situation_of(
     read: Callable[[str], Task],
     source: str = 'plan',
     limits: InputLimits | None = None,
+    tells: Tells | None = None,
 ) -> Situation:
     """Return the situation in which a robot is first heard of.
 
-    `read` reads a problem's text, together with the domain. Raises InputError for a plan that
-    has nothing to do with the problem's state.
+    `read` reads a problem's text, together with the domain. What the robot `tells` to be done
+    of its plan belongs to the episode, also where its state has it already. Raises InputError
+    for a plan that has nothing to do with the problem's state, and as `tells` does.
     """
     task = read(problem)
-    episode, progress = begin(task, steps, source, limits)
+    told = tells([step.action for step in steps]) if tells and steps else Progress.none(0)
+    done = told.positions(StepStatus.DONE)
+    episode, progress = begin(task, steps, source, limits, done)
     if episode.first != Evaluator(task).first_state():
         problem = with_state(problem, episode.first)
     began = datetime.now().astimezone()
@@ -100,6 +107,7 @@ def next_situation(
     read: Callable[[str], Task],
     source: str = 'plan',
     limits: InputLimits | None = None,
+    tells: Tells | None = None,
     uncertain: Collection[str] = (),
     is_told: bool = False,
 ) -> Situation:
@@ -120,7 +128,7 @@ def next_situation(
         if seen is not None:
             return replace(before, seen=seen)
         like_before = not same_goal and _shares_goal(before, task)
-    new = situation_of(domain, problem, steps, read, source, limits)
+    new = situation_of(domain, problem, steps, read, source, limits, tells)
     put_off = before.put_off
     if same_goal and before.progress.finished:
         reason = AGAIN

@@ -189,11 +189,13 @@ def test_tasks_in_the_place_of_some_are_another_plan_and_other_tasks_a_new_one(r
 def test_a_round_after_one_that_was_heard_of_in_its_middle_is_told_from_its_beginning(robot):
     tasks = ['Collect the cups', 'Wipe the table']
     robot.tasks.tell([(tasks[0], 'done'), (tasks[1], 'running')])
-    robot.answer()
+    under_way = robot.answer()
     robot.tasks.tell([(task, 'done') for task in tasks])
-    robot.answer()
+    done = robot.answer()
     robot.tasks.tell([(task, 'ahead') for task in tasks])
 
+    assert under_way == 'I have collected the cups.\nI am wiping the table.'
+    assert done == 'I have collected the cups and wiped the table.\nI am done.'
     assert robot.answer() == 'I will collect the cups and wipe the table.'
     assert json.loads(robot.published[-1][1])['episode']['reason'] == 'again'
 
@@ -255,12 +257,15 @@ def test_a_robot_goes_back_to_the_task_that_was_put_off_however_the_other_one_we
     told((TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead'))
     urgent = told(('Fill the can', 'running'), water)
     in_another_way = told(('Call for help', 'running'), water)
-    back = told((TEA[0], 'running'), (TEA[1], 'ahead'), (TEA[2], 'ahead'))
+    back = told((TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead'))
+    resumed = robot.published[-1][1]
+    done = told(*((task, 'done') for task in TEA))
 
     assert urgent == 'I have a new task.'
     assert in_another_way == 'I have changed my plan.'
     assert back == 'I have gone back to what I was doing.'
-    assert json.loads(robot.published[-1][1])['episode']['reason'] == 'resumed'
+    assert json.loads(resumed)['episode']['reason'] == 'resumed'
+    assert done == 'I have boiled water and brought the tea.'
 
 
 @pytest.fixture
