@@ -85,7 +85,9 @@ class Explanation:
         statuses = self.preparation.statuses
         steps = list(zip(self.model.plan.actions, statuses, strict=True))
         if all(status.is_over for status in statuses):
-            return reached(sentences, [steps[p] for p in self._told], self._excuses)
+            situation = self.preparation.situation
+            is_detour = situation is not None and situation.is_detour
+            return reached(sentences, [steps[p] for p in self._told], self._excuses, is_detour)
         if self._told:
             unsaid = [steps[p] for p in self.unsaid_ends]
             is_stuck = self.preparation.failed is not None

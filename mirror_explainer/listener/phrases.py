@@ -22,6 +22,10 @@ class Phrases:
     reached: str = _phrase(
         'I am done.', 'Nothing is left to do. What the robot achieved is said before it.'
     )
+    detour_done: str = _phrase(
+        'I have not finished what I was doing before.',
+        'In its place where the task came in the midst of another one, which it put off.',
+    )
     no_plan: str = _phrase('I have nothing to do right now.', 'The robot has no plan.')
     no_plan_yet: str = _phrase('I have no plan yet.', 'No plan has come since the node started.')
     stopped: str = _phrase(

@@ -61,11 +61,18 @@ def spoken(
 
 
 def reached(
-    sentences: Sentences, steps: Sequence[Step], reasons: Mapping[str, str] = _NO_REASONS
+    sentences: Sentences,
+    steps: Sequence[Step],
+    reasons: Mapping[str, str] = _NO_REASONS,
+    is_detour: bool = False,
 ) -> str:
-    """Return what is said when nothing is left to do; of the `steps` it is told what they did."""
-    told = spoken(sentences, steps, reasons=reasons)
-    return '\n'.join(filter(None, (told, sentences.phrases.reached)))
+    """Return what is said when nothing is left to do; of the `steps` it is told what they did.
+
+    A robot that came to it from another task, by a detour, is not done with that.
+    """
+    phrases = sentences.phrases
+    end = phrases.detour_done if is_detour else phrases.reached
+    return '\n'.join(filter(None, (spoken(sentences, steps, reasons=reasons), end)))
 
 
 def stuck(sentences: Sentences, failed: str, reason: str = '') -> str:

@@ -31,8 +31,8 @@ class Situation:
     same plan, AGAIN for a goal once it was reached, NEW_TASK, or RESUMED for the goal that was
     `put_off` for a new task before it was reached. A new task is `like_before` where a part of
     its goal was one of the goal before, which was not reached, and was achieved on the way or
-    is still to be. `seen` is the progress that states show, `told` what the robot itself says
-    of it, if it does.
+    is still to be. It `is_detour` where the robot put off the goal before in the midst of it.
+    `seen` is the progress that states show, `told` what the robot itself says of it, if it does.
     """
 
     episode: Episode
@@ -45,6 +45,7 @@ class Situation:
     began: datetime | None = None
     told: Progress | None = None
     put_off: frozenset[str] | None = None
+    is_detour: bool = False
 
     @property
     def takes_up_goal(self) -> bool:
@@ -129,19 +130,28 @@ def next_situation(
             return replace(before, seen=seen)
         like_before = not same_goal and _shares_goal(before, task)
     new = situation_of(domain, problem, steps, read, source, limits, tells)
-    put_off = before.put_off
+    put_off, is_detour = before.put_off, False
     if same_goal and before.progress.finished:
         reason = AGAIN
     elif same_goal:
         is_same = new.episode.actions == before.episode.actions and not new.seen.done
-        reason = RESTARTED if is_same else REPLANNED
+        reason, is_detour = RESTARTED if is_same else REPLANNED, before.is_detour
     elif new.episode.goal == put_off:
         reason, put_off, like_before = RESUMED, None, False
     else:
         reason = NEW_TASK
-        put_off = before.episode.goal if before.is_under_way and not like_before else put_off
-    number = before.number + 1
-    return replace(new, number=number, reason=reason, like_before=like_before, put_off=put_off)
+        if like_before:
+            is_detour = before.is_detour
+        elif before.is_under_way:
+            put_off, is_detour = before.episode.goal, True
+    return replace(
+        new,
+        number=before.number + 1,
+        reason=reason,
+        like_before=like_before,
+        put_off=put_off,
+        is_detour=is_detour,
+    )
 
 
 def begun_again(situation: Situation) -> Situation:
@@ -153,6 +163,7 @@ def begun_again(situation: Situation) -> Situation:
         number=situation.number + 1,
         reason=AGAIN,
         like_before=False,
+        is_detour=False,
         began=datetime.now().astimezone(),
     )
 
@@ -172,12 +183,12 @@ def gone_back(situation: Situation, text: str, first: Callable[[], Situation]) -
         return situation
     if new.episode.actions != situation.episode.actions or told.undone(new.seen):
         return situation
-    if situation.told.finished:
-        reason = AGAIN
-    else:
+    reason, is_detour = AGAIN, False
+    if not situation.told.finished:
         reason = REPLANNED if told.positions(StepStatus.DONE) else RESTARTED
-    number = situation.number + 1
-    return replace(new, number=number, reason=reason, put_off=situation.put_off)
+        is_detour = situation.is_detour
+    number, put_off = situation.number + 1, situation.put_off
+    return replace(new, number=number, reason=reason, put_off=put_off, is_detour=is_detour)
 
 
 def _shares_goal(before: Situation, task: Task) -> bool:

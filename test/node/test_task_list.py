@@ -257,15 +257,18 @@ def test_a_robot_goes_back_to_the_task_that_was_put_off_however_the_other_one_we
     told((TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead'))
     urgent = told(('Fill the can', 'running'), water)
     in_another_way = told(('Call for help', 'running'), water)
+    told(('Call for help', 'done'), (water[0], 'done'))
+    detour = robot.published[-1][0]
     back = told((TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead'))
     resumed = robot.published[-1][1]
-    done = told(*((task, 'done') for task in TEA))
+    told(*((task, 'done') for task in TEA))
 
     assert urgent == 'I have a new task.'
     assert in_another_way == 'I have changed my plan.'
+    assert detour.endswith('\nI have not finished what I was doing before.')
     assert back == 'I have gone back to what I was doing.'
     assert json.loads(resumed)['episode']['reason'] == 'resumed'
-    assert done == 'I have boiled water and brought the tea.'
+    assert robot.published[-1][0] == 'I have boiled water and brought the tea.\nI am done.'
 
 
 @pytest.fixture
