@@ -25,7 +25,11 @@ _AFTER_VERBS = word_set(
 _IN_TITLES = word_set('a an and at by for from in into of off on onto or out the to up with')
 # Where the library's word is rarer, or of another meaning.
 _PAST = {'get': 'got', 'lie': 'lain', 'light': 'lit'}
-_PREFIXES = re.compile(r'(?:un|re|de|dis|pre|over|co)-?(?=\w{4})')
+# Verbs as well, but hardly as the first word of a task's name: "STATE_RETURN".
+_FIRST_NOUNS = word_set('state task')
+# So end verbs, also those that the library does not know: "palletize".
+_VERB_ENDING = re.compile(r'(?:ate|i[sz]e|ify)$')
+_PREFIXES = re.compile(r'(?:un|re|de|dis|pre|over|co|tele)-?(?=\w{4})')
 
 
 def is_verb(word: str) -> bool:
@@ -114,6 +118,12 @@ def as_verb_phrase(name: str) -> str:
         ]
     first = first[0].lower() + first[1:] if first.istitle() else first
     return ' '.join([infinitive(first) or first, *rest])
+
+
+def begins_with_verb(phrase: str) -> bool:
+    """Say whether "boil water" begins with an English verb, perhaps after an adverb."""
+    first = _bare(next((word for word in phrase.split() if not _is_adverb(word)), ''))
+    return first not in _FIRST_NOUNS and (is_verb(first) or bool(_VERB_ENDING.search(first)))
 
 
 def phrase_tenses(future: str, phrase: str) -> tuple[tuple[str, str], tuple[str, str]] | None:

@@ -161,9 +161,17 @@ def prepare(
         user_model.rationality,
         user_model.listener,
         settings,
-        warnings=(*task.warnings, *prior.warnings),
+        warnings=(*task.warnings, *prior.warnings, *_verbless(sentences, robot_plan)),
         unsure=_unsure(task),
     )
+
+
+def _verbless(sentences: Sentences, robot_plan: RobotPlan) -> Iterator[str]:
+    for name in sentences.verbless(robot_plan.plan.actions):
+        yield (
+            f'"{name}" does not begin with an English verb: give it a sentence in the user model '
+            '(sentences)'
+        )
 
 
 def _unsure(task: Task) -> str:

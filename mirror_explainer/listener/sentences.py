@@ -5,7 +5,7 @@ the step, not its tense: "I will grab it." stands for it when it is going on or 
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import permutations
@@ -13,6 +13,7 @@ from itertools import permutations
 from mirror_explainer.listener.distinct import more_parameters
 from mirror_explainer.listener.english import (
     as_verb_phrase,
+    begins_with_verb,
     omission,
     other_tenses,
     phrase_tenses,
@@ -88,8 +89,21 @@ class Sentences:
         """Return the sentence for a ground action that is ahead, going on, done or left out."""
         return self.worded(action, status).sentence
 
+    def verbless(self, actions: Iterable[str]) -> list[str]:
+        """Return what those tasks of these actions are called whose name begins with no verb."""
+        wordings = map(self._wording, dict.fromkeys(actions))
+        names = [c[verb] for wording, c in wordings if (verb := verb_parameter(wording.future))]
+        return [name for name in names if not begins_with_verb(as_verb_phrase(name))]
+
     def worded(self, action: str, status: StepStatus) -> Said:
         """Return how a ground action is said."""
+        wording, called = self._wording(action)
+        if verb := verb_parameter(wording.future):
+            return self._with_verb(wording, status, called, verb)
+        return Said(in_tense(wording, status, self.phrases), called)
+
+    def _wording(self, action: str) -> tuple[Wording, dict[str, str]]:
+        """Return the wording of a ground action, and what is said for its parameters."""
         name, *arguments = words_of(action)
         parameters = self.parameters.get(name, tuple(map(str, range(len(arguments)))))
         objects = dict(zip(parameters, arguments, strict=True))
@@ -103,15 +117,17 @@ class Sentences:
             places = [f'{{{parameter}}}' for parameter in objects]
             wording = Wording(f'I will {" ".join([plain_name(name), *places])}.')
             called = {p: self._plainly(o) for p, o in objects.items()}
-        if verb := verb_parameter(wording.future):
-            return self._with_verb(wording, status, called, verb)
-        return Said(in_tense(wording, status, self.phrases), called)
+        return wording, called
 
     def _with_verb(
         self, wording: Wording, status: StepStatus, called: Mapping[str, str], verb: str
     ) -> Said:
         """Return how an action is said in whose sentence a parameter stands for the verb."""
         phrase = as_verb_phrase(called[verb])
+        if not begins_with_verb(phrase):
+            place = f'{{{verb}}}'
+            this = replace(wording, future=wording.future.replace(place, f'do this: {place}'))
+            return Said(in_tense(this, status, self.phrases), called)
         tenses = phrase_tenses(wording.future, phrase)
         text = in_tense(wording, status, self.phrases)
         inflects = status in (StepStatus.RUNNING, StepStatus.DONE)

@@ -4,6 +4,7 @@ import pytest
 
 from mirror_explainer.listener.english import (
     as_verb_phrase,
+    begins_with_verb,
     infinitive,
     is_verb,
     omission,
@@ -134,3 +135,21 @@ def test_a_tasks_name_is_said_as_what_the_robot_will_do(name: str, phrase: str) 
 )
 def test_what_was_left_out_is_denied(future: str, left_out: str | None) -> None:
     assert omission(future) == left_out
+
+
+@pytest.mark.parametrize(
+    ('phrase', 'is_one'),
+    [
+        ('boil water', True),
+        ('then undock', True),
+        ('teleport', True),
+        ('palletize boxes', True),
+        ('tür öffnen', False),
+        ('kitchen cleaning', False),
+        ('state return', False),
+        ('and', False),
+        ('', False),
+    ],
+)
+def test_a_phrase_may_begin_with_a_verb(phrase: str, is_one: bool) -> None:
+    assert begins_with_verb(phrase) is is_one

@@ -25,6 +25,7 @@ from mirror_explainer.pddl import read_task
 
 __all__ = ['operator']  # the fixture
 TEA = ['Drive to the kitchen', 'Boil water', 'Bring the tea']
+TEA_AHEAD = ('Bring the tea', 'ahead')
 
 
 def test_a_list_of_tasks_is_a_plan_whose_goal_is_that_all_are_done():
@@ -209,6 +210,18 @@ def test_a_robot_that_goes_back_in_its_list_begins_it_again(robot):
     assert stuck.split('\n')[:2] == ['I am stuck: I cannot boil water.', 'The tap is shut.']
     assert robot.answer().split('\n')[0] == 'I have started again.'
     assert json.loads(robot.published[-1][1])['plan'][0]['status'] == 'running'
+
+
+def test_a_task_whose_name_begins_with_no_english_verb_is_said_as_it_is_and_warned_of(robot):
+    robot.tasks.tell([('Tür öffnen', 'running'), ('2nd tea', 'failed'), TEA_AHEAD])
+    assert robot.answer().split('\n') == [
+        'I am stuck: I cannot do this: task 2nd tea.',
+        'I am doing this: Tür öffnen.',
+        'I meant to bring the tea.',
+    ]
+    warnings = robot.explainer.diagnose({'problem': 1, 'plan': 1}, 0).values['warnings']
+    assert '"Tür öffnen" does not begin with an English verb: give it a sentence' in warnings
+    assert 'Bring' not in warnings
 
 
 def test_a_robot_that_had_to_stop_says_why_and_what_it_could_not_do(robot):
