@@ -1,6 +1,7 @@
 """What the robot is doing, from one of its messages to the next."""
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from functools import partial
 
 from mirror_explainer.errors import InputError, NoPlanError
@@ -25,6 +26,7 @@ class RobotStatus:
 
     def __init__(self) -> None:
         self._situation: Situation | None = None
+        self._has_stopped = False  # whether it has had no plan since then
         self._stale: Text | None = None
         self._told, self._told_in = '', ''  # the last progress text, and the problem it came with
 
@@ -63,12 +65,15 @@ class RobotStatus:
         except InputError as error:
             if steps:
                 raise
+            self._has_stopped = True
             raise NoPlanError(
                 plan.source,
                 'the robot has no current plan',
                 cure='Nothing is to be done if it has no task now: its next plan is explained.',
             ) from error
         is_new = before is None or situation.number != before.number
+        if is_new and self._has_stopped:  # it did not go from one task to the other
+            situation = replace(situation, is_detour=False)
         if progress and is_new and tells is None:
             self._stale, progress = progress, None  # it is about the plan before
         if progress:
@@ -79,5 +84,5 @@ class RobotStatus:
             situation = situation.telling(progress.text, progress.source)
             if progress.text != self._told:
                 self._told, self._told_in = progress.text, problem.text
-        self._situation = situation
+        self._situation, self._has_stopped = situation, False
         return situation

@@ -155,7 +155,10 @@ def test_a_robot_without_a_task_has_nothing_to_do(robot):
     told = robot.answer()
     robot.tasks.tell([])
     stopped = robot.refusal()
-    robot.tasks.tell([(task, 'done') for task in TEA])
+    cups = ['Collect the cups', 'Wipe the table']
+    robot.tasks.tell([(cups[0], 'done'), (cups[1], 'running')])
+    robot.answer()
+    robot.tasks.tell([(task, 'done') for task in cups])
     done = robot.answer()
     robot.tasks.tell([])
 
