@@ -86,7 +86,8 @@ def begin(
     run, fault = tried(task, steps, source, limits)
     evaluator = Evaluator(task)
     if fault is None:
-        run = _whole(task, steps, run, done, evaluator) or run
+        if done:
+            run = _whole(task, steps, run, done, evaluator) or run
         return _episode(task, steps, run, evaluator), Progress.none(len(steps))
     joined = _joined(task, steps, evaluator) or _rest(task, steps, evaluator)
     if joined is None:
