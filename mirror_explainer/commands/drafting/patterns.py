@@ -92,14 +92,14 @@ class World:
         return found
 
     @cached_property
-    def _made(self) -> dict[str, list[tuple[str, ...]]]:
-        """The types of the objects that actions make each predicate true of."""
-        made: dict[str, list[tuple[str, ...]]] = {}
+    def _made(self) -> dict[str, list[tuple[up.Action, up.FNode]]]:
+        """The actions that make each predicate true, and the atom that they do so."""
+        made: dict[str, list[tuple[up.Action, up.FNode]]] = {}
         for action in self.task.model.actions:
             for effect in effects_in(action):
                 if effect.value.is_true():
-                    kinds = tuple(map(type_name, effect.fluent.args))
-                    made.setdefault(effect.fluent.fluent().name.lower(), []).append(kinds)
+                    predicate = effect.fluent.fluent().name.lower()
+                    made.setdefault(predicate, []).append((action, effect.fluent))
         return made
 
     def _widest(self, item: str, parts: Sequence[str]) -> str:
@@ -107,7 +107,7 @@ class World:
         kinds = [self.types[item]]
         for predicate, *objects in map(str.split, _ATOM.findall(' '.join(parts))):
             for place in (place for place, other in enumerate(objects) if other == item):
-                made = {kinds[place] for kinds in self._made.get(predicate, ())}
+                made = {type_name(atom.args[place]) for _, atom in self._made.get(predicate, ())}
                 able = [kind for kind in made if item in self.of_type[kind]]
                 kinds += [max(able, key=self._size)] if able else []
         return min(kinds[1:] or kinds, key=self._size)
@@ -260,25 +260,22 @@ class World:
         What never changes is asked of the objects as the action does.
         """
         found = []
-        for action in self.task.model.actions:
-            conditions = [atom for given in action.preconditions for atom in conjuncts(given)]
-            for effect in effects_in(action):
-                made = effect.fluent
-                if made.fluent().name.lower() == predicate and effect.value.is_true():
-                    names: dict[str, str] = {}
-                    for term in (term for term in made.args if not term.is_object_exp()):
-                        names.setdefault(str(term), _variable(type_name(term), names.values()))
-                    types = {str(term): type_name(term) for term in made.args}
-                    where = [
-                        _ground(atom, names)
-                        for atom in conditions
-                        if atom.is_fluent_exp()
-                        and atom.fluent().name.lower() not in self.changing
-                        and {str(term) for term in atom.args} & names.keys()
-                        and {str(term) for term in atom.args} <= types.keys()
-                    ]
-                    variables = tuple((name.strip('{}'), types[t]) for t, name in names.items())
-                    found.append(Pattern((_ground(made, names),), variables, tuple(where)))
+        for action, made in self._made[predicate]:
+            names: dict[str, str] = {}
+            for term in (term for term in made.args if not term.is_object_exp()):
+                names.setdefault(str(term), _variable(type_name(term), names.values()))
+            types = {str(term): type_name(term) for term in made.args}
+            where = [
+                _ground(atom, names)
+                for given in action.preconditions
+                for atom in conjuncts(given)
+                if atom.is_fluent_exp()
+                and atom.fluent().name.lower() not in self.changing
+                and {str(term) for term in atom.args} & names.keys()
+                and {str(term) for term in atom.args} <= types.keys()
+            ]
+            variables = tuple((name.strip('{}'), types[t]) for t, name in names.items())
+            found.append(Pattern((_ground(made, names),), variables, tuple(where)))
         return max(found, key=self.count)
 
     def _kinds(self, objects: Sequence[str]) -> list[str]:
