@@ -13,19 +13,17 @@ from ament_index_python.packages import get_package_share_directory
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.commands.terminal import command_parser
 from mirror_explainer.demo.run import run
+from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import Step, read_plan
 from mirror_explainer.pddl.problem_text import with_state
 from mirror_explainer.text_files import read_text
-
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class WarehouseRobot(Node):

@@ -23,7 +23,7 @@ from rclpy.executors import Executor, ExternalShutdownException, MultiThreadedEx
 from rclpy.logging import LoggingSeverity, get_logging_directory
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -39,10 +39,10 @@ from mirror_explainer.node.parameters import (
     configuration,
     unknown_parameters,
 )
+from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.ros_log import RosLog
 from mirror_explainer.node.start import argument_parser, parsed, refuse, write_fault
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=1)
 # With the usual depth of 10, calls of more clients at once than that would get lost.
 MANY_CALLS = QoSProfile(depth=1000)

@@ -22,7 +22,6 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
-from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from std_msgs.msg import String
@@ -31,6 +30,7 @@ from std_srvs.srv import Trigger
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.terminal import command_parser, tell_error
 from mirror_explainer.errors import InputError
+from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.start import parsed, refuse
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.operator.heard import (
@@ -41,7 +41,6 @@ from mirror_explainer.web.operator.heard import (
     read_answer,
 )
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 DEMO_RESTART = 'warehouse_robot/restart'  # of the demo robot: no other one is to be moved
 PORT = 8350
 # Seconds.
