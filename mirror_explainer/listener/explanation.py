@@ -84,32 +84,46 @@ class Explanation:
     def _steps_spoken(self, sentences: Sentences) -> str:
         statuses = self.preparation.statuses
         steps = list(zip(self.model.plan.actions, statuses, strict=True))
+        told = [steps[p] for p in self._told]
         if all(status.is_over for status in statuses):
             situation = self.preparation.situation
             is_detour = situation is not None and situation.is_detour
-            return reached(sentences, [steps[p] for p in self._told], self._excuses, is_detour)
-        if self._told:
-            unsaid = [steps[p] for p in self.unsaid_ends]
-            is_stuck = self.preparation.failed is not None
-            said = [steps[p] for p in self._told]
-            return spoken(sentences, said, unsaid, is_stuck, self._excuses)
+            return reached(sentences, told, self._excuses, is_detour)
+        unsaid = [steps[p] for p in self.unsaid_ends if p not in self._told]
+        is_stuck = self.preparation.failed is not None
+        lines = spoken(sentences, told, unsaid, is_stuck, self._excuses)
+        if self._chosen or is_stuck:
+            return lines
         heard = {self.model.sentences[position] for position in self.known}
-        if heard.issuperset(self.model.sentences):
-            return sentences.phrases.all_heard
-        return sentences.phrases.nothing_more
+        is_all = heard.issuperset(self.model.sentences)
+        rest = sentences.phrases.all_heard if is_all else sentences.phrases.nothing_more
+        return '\n'.join(filter(None, (lines, rest)))
 
     @property
-    def _told(self) -> list[int]:
-        """The positions that are spoken of.
+    def _chosen(self) -> set[int]:
+        """The positions that are said, and those that were left out for a reason."""
+        return {*self.positions, *self.preparation.excused}
 
-        They are what is said and what was left out for a reason, and where all of that is over
-        what is going on.
+    @cached_property
+    def _told(self) -> list[int]:
+        """The positions that are spoken of: what was chosen, and what one sees the robot at."""
+        return sorted({*self._chosen, *self._seen})
+
+    @property
+    def _seen(self) -> list[int]:
+        """What is going on, where none of that was chosen: ends first, and as many as asked for.
+
+        What is said as something chosen, in one tense for both, is not said again.
         """
-        statuses = self.preparation.statuses
-        told = {*self.positions, *self.preparation.excused}
-        if told and all(statuses[position].is_over for position in told):
-            told |= {p for p, status in enumerate(statuses) if status is StepStatus.RUNNING}
-        return sorted(told)
+        actions, statuses = self.model.plan.actions, self.preparation.statuses
+        going_on = [p for p, status in enumerate(statuses) if status is StepStatus.RUNNING]
+        if not self._chosen.isdisjoint(going_on):
+            return []
+        said, ends = self.preparation.sentences.said, self.unsaid_ends
+        going_on.sort(key=lambda position: position not in ends)
+        texts = {said(actions[p], statuses[p]): p for p in going_on}
+        chosen = {said(actions[p], statuses[p]) for p in self._chosen}
+        return [p for text, p in texts.items() if text not in chosen][: self.question.n]
 
     @property
     def _excuses(self) -> dict[str, str]:

@@ -43,12 +43,14 @@ AT_END = '(has cup) (has cake) (at-spot oven)'
 def verbalize(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     """Return a function that explains the plan in a state, with further arguments."""
 
-    def run(facts: str, *arguments: str, progress: str | None = None) -> str:
+    def run(
+        facts: str, *arguments: str, progress: str | None = None, user_model: str = USER_MODEL
+    ) -> str:
         problem = (
             '(define (problem p) (:domain kitchen) (:objects dock sink oven - spot '
             f'cup cake - thing) (:init {facts}) (:goal (and (has cup) (has cake))))'
         )
-        texts = {'domain': DOMAIN, 'problem': problem, 'plan': PLAN, 'user-model': USER_MODEL}
+        texts = {'domain': DOMAIN, 'problem': problem, 'plan': PLAN, 'user-model': user_model}
         if progress is not None:
             texts['progress'] = progress
         given = []
@@ -63,7 +65,9 @@ def verbalize(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
 
 
 def test_what_is_done_is_told_in_the_past_and_the_rest_in_the_future(verbalize) -> None:
-    assert verbalize(ON_THE_WAY).startswith('I have taken the cup.\nI will take the cake.\n\n')
+    assert verbalize(ON_THE_WAY).startswith(
+        'I have taken the cup.\nI am driving to the oven.\nI will take the cake.\n\n'
+    )
     assert verbalize(AT_START).startswith('I will take the cup and the cake.\n\n')
 
 
@@ -99,7 +103,9 @@ def test_what_is_left_unsaid_is_told_in_its_tense(verbalize) -> None:
 
 
 def test_what_is_past_is_not_told_where_it_is_known(verbalize) -> None:
-    assert verbalize(ON_THE_WAY, '--no-tell-past').startswith('I will take the cake.\n')
+    assert verbalize(ON_THE_WAY, '--no-tell-past').startswith(
+        'I am driving to the oven.\nI will take the cake.\n'
+    )
     assert verbalize(AT_END, '--no-tell-past').startswith('I am done.\n')
 
 
@@ -107,6 +113,30 @@ def test_progress_may_be_told_instead_of_being_read_off_the_state(verbalize) -> 
     told = verbalize(AT_START, progress='done: (drive dock sink)\nrunning: (pick cup sink)\n')
 
     assert told.startswith('I am taking the cup.\nI will take the cake.\n')
+
+
+def test_what_is_going_on_is_told_where_none_of_that_was_chosen(verbalize, tmp_path) -> None:
+    driving = 'running: (drive dock sink)'
+    both = f'{driving}\nrunning: (pick cup sink)'
+    heard = tmp_path / 'heard.txt'
+    heard.write_text('I will take the cup.\nI will take the cake.')
+
+    assert verbalize(AT_START, progress=driving).startswith(
+        'I am driving to the sink.\nI will take the cup and the cake.\n\n'
+    )
+    assert verbalize(AT_START, progress=both).startswith('I am taking the cup.\nI will take')
+    # As many as were asked for, and ends before means.
+    assert verbalize(AT_START, '-n', '1', progress=both).startswith(
+        'I am taking the cup.\nI will take the cake.\n\n'
+    )
+    assert verbalize(AT_START, '--said', str(heard), progress=driving).startswith(
+        'I am driving to the sink.\nThe rest is only details.\n\n'
+    )
+    # It sounds the same, and is not said twice.
+    in_one_tense = USER_MODEL.replace('I will take the {t}.', 'Something is taken.')
+    assert verbalize(AT_START, progress=both, user_model=in_one_tense).startswith(
+        'I am driving to the sink.\nSomething is taken.\n\n'
+    )
 
 
 def test_a_step_that_failed_is_told_first(verbalize) -> None:
@@ -124,7 +154,7 @@ def test_a_step_that_was_skipped_for_a_reason_is_told_whatever_tells_more(verbal
     )
     going_on = f'{skipped}running: (drive sink oven)'
     assert verbalize(AT_START, '--no-tell-past', progress=going_on).startswith(
-        f'{why}I will take the cake.\n\n'
+        f'{why}I am driving to the oven.\nI will take the cake.\n\n'
     )
     over = f'{skipped}done: (drive sink oven)\ndone: (pick cake oven)'
     assert verbalize(AT_START, progress=over).startswith(

@@ -1,6 +1,5 @@
 """What a robot says from the first step of its plan to the last, asked before and during each."""
 
-import itertools
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -24,11 +23,6 @@ class Moment:
     running: bool
     spoken: str
     understanding: float
-
-    @property
-    def when(self) -> str:
-        """When that is, in words."""
-        return f'{self.done}, doing the next' if self.running else str(self.done)
 
 
 def transcript(folder: Path) -> Iterator[Moment]:
@@ -66,10 +60,10 @@ def _asked(explainer: LiveExplainer, reports: list[str], done: int, running: boo
 
 
 def table(moments: Iterable[Moment]) -> str:
-    """Return a transcript as Markdown: when, and what is said; the same in a row once."""
-    lines = ['| steps done | answer |', '|---|---|']
-    for spoken, same in itertools.groupby(moments, lambda moment: moment.spoken):
-        first, *_, last = [moment.when for moment in same] * 2
-        when = first if first == last else f'{first} – {last}'
-        lines.append(f'| {when} | {" ".join(spoken.splitlines())} |')
+    """Return as Markdown what is said before the first step, during each, and after the last."""
+    first, *between, last = moments
+    rows = {str(moment.done + 1): moment for moment in between if moment.running}
+    rows = {'before': first, **rows, 'after': last}
+    lines = ['| step | answer |', '|---|---|']
+    lines += [f'| {when} | {" ".join(m.spoken.splitlines())} |' for when, m in rows.items()]
     return '\n'.join(lines)

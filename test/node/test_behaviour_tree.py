@@ -284,12 +284,14 @@ def test_a_robot_with_a_fallback_tells_the_truth_in_each_round(
         answer: str = robot.answer()
         return answer
 
-    assert after(1) == 'I will treat hive 3 and feed the bees.'
+    assert after(1) == 'I am opening hive 3.\nI will treat hive 3 and feed the bees.'
     assert after(1) == 'I have changed my plan.\nI am writing the card.\nI will feed the bees.'
     assert after(2) == 'I am done.'
     mites.end = Status.SUCCESS  # the next round
     feed.end = Status.FAILURE
-    assert after(1) == 'I have a new task.\nI will treat hive 3 and feed the bees.'
+    assert after(1) == (
+        'I have a new task.\nI am opening hive 3.\nI will treat hive 3 and feed the bees.'
+    )
     # What is left of the goal is another, but what was done for it counts.
     assert after(3).startswith('I have changed my plan.\n')
     assert 'I am calling the beekeeper.' in robot.published[-1][0]

@@ -325,7 +325,7 @@ def test_a_node_of_the_robots_tells_the_explainer_its_tasks(asked):
 
     tasks.tell([(TEA[0], 'running'), (TEA[1], 'ahead'), (TEA[2], 'ahead')])
 
-    assert asked.answer() == 'I will bring the tea.'
+    assert asked.answer() == 'I am driving to the kitchen.\nI will bring the tea.'
     eventually(lambda: progress == ['running: (do drive_to_the_kitchen)'], 'the first progress')
     tasks.tell([(TEA[0], 'done'), (TEA[1], 'running'), (TEA[2], 'ahead')])
     eventually(
