@@ -77,23 +77,42 @@ def main() -> int:
 
 
 def is_there(node: Node, client, timeout: float) -> bool:
-    """Wait for the explainer; return whether it is there. Tell of those of other namespaces."""
-    if client.wait_for_service(min(timeout, 5 * PAUSE)):
-        return True
+    """Wait for the explainer; return whether it is there.
+
+    After a while tell that it is not, and of those in other namespaces as they become known, which
+    takes its time: of each once.
+    """
     name = node.resolve_service_name('verbalize_plan')
-    others = [
+    begin = time.monotonic()
+    told: set[str] | None = None
+    while not client.wait_for_service(min(timeout, PAUSE)):
+        waited = time.monotonic() - begin
+        if waited >= min(timeout, 5 * PAUSE):
+            others = namespaces_of_others(node, name)
+            if told is None or others - told:
+                tell(f'nothing offers {name} yet: {hint(sorted(others - (told or set())))}')
+                told = others | (told or set())
+        if waited >= timeout:
+            tell('the explainer did not start')
+            return False
+    return True
+
+
+def namespaces_of_others(node: Node, name: str) -> set[str]:
+    """Return the namespaces of the explainers that are called by other names than this."""
+    return {
         other.removesuffix('/verbalize_plan') or '/'
         for other, _ in node.get_service_names_and_types()
         if other.endswith('/verbalize_plan') and other != name and node.count_services(other)
-    ]
-    hint = 'is the explainer running?'
-    if others:
-        hint = f'explainers are in {", ".join(others)} (--ros-args -r __ns:={others[0]}).'
-    tell(f'nothing offers {name} yet: {hint} Waiting for it.')
-    if client.wait_for_service(timeout):
-        return True
-    tell('the explainer did not start')
-    return False
+    }
+
+
+def hint(namespaces: list[str]) -> str:
+    """Say what may be wrong where explainers are in these namespaces alone."""
+    if not namespaces:
+        return 'is the explainer running? Waiting for it.'
+    there = ', '.join(namespaces)
+    return f'explainers are in {there} (--ros-args -r __ns:={namespaces[0]}). Waiting for it.'
 
 
 def ask_once(client, timeout: float) -> int:

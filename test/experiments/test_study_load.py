@@ -65,7 +65,6 @@ class Visitor:
         assert int(self.field('step')) == step + 1
 
 
-@pytest.mark.timeout(600)  # some 1,400 pages, on a busy machine
 def test_two_hundred_people_at_once_each_go_their_way_and_nobody_is_locked_out(tmp_path):
     file = tmp_path / 'study.sqlite3'
     command = [*STUDY, 'serve', '--database', str(file), '--port', '0', '--scenarios', '3']

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 T = TypeVar('T')
 
-PATIENCE = 60.0  # s: far more than anything takes; only a hang runs into it
+PATIENCE = 120.0  # s: far more than anything takes on a busy machine; only a hang runs into it
 
 
 def eventually(condition: Callable[[], T], what: str) -> T:

@@ -102,7 +102,7 @@ def test_an_explainer_that_was_killed_and_started_again_hears_what_was_latched(
         # A call may still go to the dead node, and is lost then.
         call = eventually(
             lambda: (
-                (call := peer.start_call()).ends_within(0.5) and call.result().success and call
+                (call := peer.start_call()).ends_within(2.0) and call.result().success and call
             ),
             'an answer',
         )

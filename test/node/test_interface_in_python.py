@@ -28,7 +28,7 @@ def test_the_docs_lines_tell_progress_and_set_a_parameter(peer: Peer, tmp_path: 
     def asked() -> str:
         try:  # a reply may be lost while the node does not know the client yet
             return subprocess.run(
-                command(ASK, peer), cwd=ROOT, capture_output=True, text=True, timeout=10.0
+                command(ASK, peer), cwd=ROOT, capture_output=True, text=True, timeout=30.0
             ).stdout
         except subprocess.TimeoutExpired:
             return ''
