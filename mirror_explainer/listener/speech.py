@@ -5,14 +5,11 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from mirror_explainer.listener.english import inability, intention
+from mirror_explainer.listener.frame import ARTICLES, framed
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Said, Sentences
 from mirror_explainer.listener.wording import parts
 from mirror_explainer.pddl.progress import StepStatus
-
-# What stands before each of several objects: "the cup and the plate".
-_ARTICLES = frozenset(['the', 'a', 'an', 'my', 'your'])
-
 
 Step = tuple[str, StepStatus]  # a ground action, and how far it is
 _NO_REASONS: Mapping[str, str] = MappingProxyType({})
@@ -28,15 +25,15 @@ def spoken(
     """Return the text for the steps of an answer, in plan order; a sentence a line.
 
     Neighbours of one tense that differ in one object become one sentence: "I will photograph
-    the bridge, the tower and the lock." A list is heard as the whole of it: so one that steps
-    left `unsaid` would be in, too, ends with "and others"; not one of whole tasks, "I will wash
-    the cup and wait.", which promises no more than two sentences would. A robot that `is_stuck`
-    promises nothing: "I meant to photograph the lock." for "I will …", and no other sentence.
+    the bridge, the tower and the lock." So do tasks that have the verb: those that differ in one
+    thing, "I will wash the cup and the pan.", and others, "I will boil water and wait." A list
+    is heard as the whole of it: so one that steps left `unsaid` would be in, too, ends with "and
+    others"; but that of different tasks promises no more than two sentences would. A robot
+    that `is_stuck` promises nothing: "I meant to photograph the lock." for "I will …", and no
+    other sentence.
     After what was left out stands why, if `reasons` have that, by ground action.
     """
-    groups: list[list[Said]] = []
-    whys: list[str] = []  # of each group
-    last: StepStatus | None = None
+    told: list[tuple[Said, StepStatus, str]] = []
     for action, status in steps:
         said = sentences.worded(action, status)
         if is_stuck and status is StepStatus.AHEAD:
@@ -44,15 +41,23 @@ def spoken(
             if meant is None:
                 continue
             said = replace(said, text=meant)
+        told.append((said, status, reasons.get(action, '')))
+    left = [sentences.worded(*step) for step in unsaid]
+    groups: list[list[Said]] = []
+    whys: list[str] = []  # of each group
+    last: StepStatus | None = None
+    with_places = framed([said for said, *_ in told])
+    for (said, frame), (_, status, why) in zip(with_places, told, strict=True):
         # "I did not wash the cup and the plate" might be heard as if one of them was washed.
         alike = status is last and status is not StepStatus.SKIPPED
         if alike and _differing([*groups[-1], said]):
             groups[-1].append(said)
         else:
             groups.append([said])
-            whys.append(reasons.get(action, '') if status is StepStatus.SKIPPED else '')
+            whys.append(why if status is StepStatus.SKIPPED else '')
+        if frame:
+            left = [frame.of(step) or step for step in left]
         last = status
-    left = [sentences.worded(*step) for step in unsaid]
     lines = [
         _with_reason(_together(group, left, sentences.phrases), why)
         for group, why in zip(groups, whys, strict=True)
@@ -114,7 +119,7 @@ def _together(group: Sequence[Said], unsaid: Sequence[Said], phrases: Phrases) -
         return group[0].sentence
     parameter = _differing(group)
     before = next(text for text, place in parts(group[0].text) if place == parameter).split()
-    article = f'{before[-1]} ' if before and before[-1] in _ARTICLES else ''
+    article = f'{before[-1]} ' if before and before[-1] in ARTICLES else ''
     first, *following = [said.called[parameter] for said in group]
     listed = [first, *(article + called for called in following)]
     others_left = any(_differing([*group, said]) == parameter for said in unsaid)

@@ -19,6 +19,8 @@ WORDINGS = {
 }
 TEMPLATES = {name: Template(wording) for name, wording in WORDINGS.items()}
 
+TASKS = Sentences({'do': ('task',)}, {'do': Template(Wording('I will {task}.'))})
+
 
 def sentences(**phrases: str) -> Sentences:
     return Sentences(PARAMETERS, TEMPLATES, phrases=Phrases(**phrases))
@@ -139,10 +141,9 @@ def test_a_robot_that_is_stuck_says_with_what() -> None:
 
 
 def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None:
-    tasks = Sentences({'do': ('task',)}, {'do': Template(Wording('I will {task}.'))})
     names = ['(do boil_water)', '(do drive_to_the_hall)', '(do wait)']
 
-    told = {status: spoken(tasks, [(name, status) for name in names]) for status in StepStatus}
+    told = {status: spoken(TASKS, [(name, status) for name in names]) for status in StepStatus}
 
     assert told == {
         AHEAD: 'I will boil water, drive to the hall and wait.',
@@ -151,7 +152,34 @@ def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None
         SKIPPED: 'I did not boil water.\nI did not drive to the hall.\nI did not wait.',
     }
     # "Boil water, drive to the hall and others" would be no English.
-    assert spoken(tasks, ahead(*names[:2]), ahead(names[2])) == (
+    assert spoken(TASKS, ahead(*names[:2]), ahead(names[2])) == (
         'I will boil water and drive to the hall.'
     )
-    assert stuck(tasks, '(do boil_water)') == 'I am stuck: I cannot boil water.'
+    assert stuck(TASKS, '(do boil_water)') == 'I am stuck: I cannot boil water.'
+
+
+@pytest.mark.parametrize(
+    ('names', 'text'),
+    [
+        ('bring tea to ward 1; bring tea to ward 2', 'bring tea to ward 1 and ward 2'),
+        ('bring tea to ward 1; bring milk to ward 1', 'bring tea and milk to ward 1'),
+        ('wash the cup; wash the pan; wash a pot', 'wash the cup and the pan; wash a pot'),
+        ('wait; boil water; boil an egg; rest', 'wait; boil water and an egg; rest'),
+        # What differs is more than a thing, or a task is two.
+        ('turn on the light; turn off the light', 'turn on the light and turn off the light'),
+        ('go home; go to the hall', 'go home and go to the hall'),
+        ('deliver 2 cups; deliver 3 cups', 'deliver 2 cups and deliver 3 cups'),
+        ('find Anna and wait; find Bob and wait', 'find Anna and wait and find Bob and wait'),
+    ],
+)
+def test_tasks_that_differ_in_one_thing_are_told_by_that(names: str, text: str) -> None:
+    actions = [f'(do {name.replace(" ", "_")})' for name in names.split('; ')]
+    expected = [f'I will {sentence}.' for sentence in text.split('; ')]
+    assert spoken(TASKS, ahead(*actions)).split('\n') == expected
+
+
+def test_a_list_of_tasks_that_differ_in_one_thing_says_where_it_is_not_whole() -> None:
+    washing = ahead('(do wash_the_cup)', '(do wash_the_pan)')
+    left = ahead('(do boil_water)', '(do wash_the_pot)')
+    assert spoken(TASKS, washing, left[:1]) == 'I will wash the cup and the pan.'
+    assert spoken(TASKS, washing, left) == 'I will wash the cup, the pan and others.'
