@@ -23,6 +23,7 @@ from mirror_explainer.commands.options import add_settings, settings_from
 from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
 from mirror_explainer.errors import InputError, PlanningError, some_of
 from mirror_explainer.explainer import explain, robot_plan
+from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.goals_seen import read_goals_seen
 from mirror_explainer.listener.preparation import RobotPlan, plan_for_robot, prepare, refine
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
@@ -141,7 +142,25 @@ def _answers(
         lines.append(f'with at most {n}:' if n > 1 else 'with one sentence:')
         lines += [f'  {line}' for line in explanation.spoken.split('\n')]
         lines.append(f'  (its goal is then found {explanation.understanding:.0%} likely)')
+        if others := _as_telling(explanation):
+            lines.append(f'  (as telling in the place of one: {" ".join(others)})')
     return '\n'.join(lines)
+
+
+def _as_telling(explanation: Explanation) -> list[str]:
+    """Return what it says of other ends that would tell as much in the place of one said.
+
+    Which of them is said hangs on probabilities that a draft can only guess.
+    """
+    model, said = explanation.model, set(explanation.positions)
+    enough = model.doubt([*said]) + (model.listener.min_gain or 0.0)
+    ends = {model.sentences[p]: p for p in model.way.aims[model.true_goal][0].positions}
+    return [
+        sentence
+        for sentence, end in ends.items()
+        if sentence not in explanation.sentences
+        if any(model.doubt([*(said - {place}), end]) <= enough for place in said)
+    ]
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -5,10 +5,11 @@
 A folder has `domain.pddl`, `problem.pddl`, `plan.txt`, and a `user.yaml` by hand, such as those in
 test/commands/drafted_robots. Prints for each robot, over all pairs: how many drafts take all
 goals by hand; how many facts and groups of facts are found and proposed, at worst; and of the
-answers with at most 1, 2 and 3 sentences how many name the same ends, how many name the same ends
-or ones that the model by hand finds exactly as telling (within 1e-9 nats), how many tell the
-listener by hand as much, but for what that one takes for a filler (its `min_gain`, 0.02 nats if
-the model says nothing else), and how many nats less the others tell, in the mean and at most.
+answers with at most 1, 2 and 3 sentences how many name the same ends; how many do, or are as good:
+they tell the listener by hand as much, but for what that one takes for a filler (its `min_gain`,
+0.02 nats if the model says nothing else); how many are as good or a tie, where the draft's own
+listener would find the answer by hand as good; and how many nats less those tell that are not as
+good, in the mean and at most.
 With -v each pair that differs.
 """
 
@@ -25,7 +26,7 @@ import pandas as pd
 
 sys.path.insert(0, str(Path(__file__).parents[1] / 'helpers'))
 
-from drafted import TIE, Drafted, Robot
+from drafted import NUMBERS, Drafted, Robot, is_as_good, loss
 
 from mirror_explainer.experiments.markdown import markdown_table
 from mirror_explainer.planning import Planner
@@ -49,17 +50,32 @@ def main(folders: list[str], verbose: bool) -> None:
                     tell(robot, [goal.name for goal in pair], drafts[-1])
             rows.append(row(robot, drafts))
     headers = ['robot', 'pairs', 'all goals', 'facts found', 'proposed']
-    headers += ['same ends', 'same or a tie', 'but a filler', 'nats less, mean', 'at most']
+    headers += ['same ends', 'or as good', 'or a tie', 'nats less, mean', 'at most']
     print(markdown_table(pd.DataFrame(rows, columns=headers)))
 
 
 def row(robot: Robot, drafts: list[Drafted]) -> list[object]:
     """Return the table's row of a robot."""
-    criteria = (
-        robot.same_ends,
-        robot.same_or_tied,
-        lambda told, best: robot.loss(told, best) <= filler(robot),
-    )
+
+    def is_same(draft: Drafted, number: int) -> bool:
+        return robot.ends(draft.answers[number]) == robot.ends(robot.answers[number])
+
+    def is_good(draft: Drafted, number: int) -> bool:
+        asked = (robot.model, draft.answers[number], robot.answers[number])
+        return is_same(draft, number) or is_as_good(*asked)
+
+    def counted(judge: Callable[[Drafted, int], bool]) -> str:
+        numbers = range(len(NUMBERS))
+        return ', '.join(str(sum(judge(draft, number) for draft in drafts)) for number in numbers)
+
+    def less(summary: Callable[[list[float]], float]) -> str:
+        told = []
+        for number, best in enumerate(robot.answers):
+            worse = [d.answers[number] for d in drafts if not is_good(d, number)]
+            lost = [loss(robot.model, answer, best) for answer in worse]
+            told.append(f'{summary(lost):.2f}' if lost else '–')
+        return ', '.join(told)
+
     by_hand = drafts[0].by_hand
     return [
         robot.folder.name,
@@ -67,31 +83,12 @@ def row(robot: Robot, drafts: list[Drafted]) -> list[object]:
         sum(not draft.missing for draft in drafts),
         f'{min(draft.found for draft in drafts)} of {by_hand}',
         max(draft.proposed for draft in drafts),
-        *(counts(robot, drafts, criterion) for criterion in criteria),
-        *(losses(robot, drafts, summary) for summary in (mean, max)),
+        counted(is_same),
+        counted(is_good),
+        counted(lambda draft, number: is_good(draft, number) or draft.tied[number]),
+        less(mean),
+        less(max),
     ]
-
-
-def counts(
-    robot: Robot,
-    drafts: list[Drafted],
-    criterion: Callable[[frozenset[int], frozenset[int]], bool],
-) -> str:
-    """Return how many drafts' answers fulfil a criterion, with 1, 2 and 3 sentences."""
-    judged = zip(*(map(criterion, draft.answers, robot.answers) for draft in drafts), strict=True)
-    return ', '.join(str(sum(answers)) for answers in judged)
-
-
-def losses(robot: Robot, drafts: list[Drafted], summary: Callable[[list[float]], float]) -> str:
-    """Return what the answers lose with 1, 2 and 3 sentences, of those that lose a filler more."""
-    lost = zip(*(map(robot.loss, draft.answers, robot.answers) for draft in drafts), strict=True)
-    more = [[nats for nats in number if nats > filler(robot)] for number in lost]
-    return ', '.join(f'{summary(nats):.2f}' if nats else '–' for nats in more)
-
-
-def filler(robot: Robot) -> float:
-    """Return the nats that are not worth a sentence."""
-    return robot.model.listener.min_gain or 0.0
 
 
 def tell(robot: Robot, seen: list[str], draft: Drafted) -> None:
@@ -101,9 +98,9 @@ def tell(robot: Robot, seen: list[str], draft: Drafted) -> None:
     for n, (told, best) in enumerate(zip(draft.answers, robot.answers, strict=True), start=1):
         ours, theirs = (sorted(map(str, robot.ends(answer))) for answer in (told, best))
         if ours != theirs:
-            loss = robot.loss(told, best)
-            less = 'a tie' if abs(loss) <= TIE else f'{loss:.3f} nats less'
-            print(f'{seen}: with {n} {ours}, by hand {theirs}, {less}')
+            less = f'{loss(robot.model, told, best):.3f} nats less'
+            tie = ', a tie to the draft' if draft.tied[n - 1] else ''
+            print(f'{seen}: with {n} {ours}, by hand {theirs}, {less}{tie}')
 
 
 if __name__ == '__main__':

@@ -74,6 +74,18 @@ def test_the_draft_is_taken_as_it_stands(park, tmp_path, capsys):
         assert sentence in answers
 
 
+def test_what_would_tell_as_much_in_the_place_of_what_is_said_is_told(park, tmp_path, capsys):
+    alike = PROBLEM.replace('(emptied red_bin)', '(watered lilies)')
+    (tmp_path / 'problem.pddl').write_text(alike)
+    drafted(park, tmp_path)
+    answers = capsys.readouterr().out.splitlines()
+    said = 1 + answers.index('with one sentence:')
+    # Of two beds none is more telling than the other: which one it waters last is said.
+    beds = {'  I will water the lilies.', '  I will water the roses.'}
+    [other] = beds - {answers[said]}
+    assert answers[said + 2] == f'  (as telling in the place of one: {other.strip()})'
+
+
 def test_facts_are_those_that_change_what_the_robot_does(park, tmp_path):
     _, model = drafted(park, tmp_path)
     facts = {entry['fact'] for entry in model['uncertain_facts']}
@@ -208,6 +220,18 @@ def test_goals_seen_come_by_their_frequency(park, tmp_path):
     # bin: half of 0.3 more for each of the two, since it stands for its form.
     assert weights['(watered roses)'] == 1.0
     assert weights['(emptied red_bin)'] == pytest.approx(0.6)
+
+
+def test_a_part_of_its_own_goal_that_was_seen_counts_as_often_as_it_was_seen():
+    task = read_task(CLEANER, FLAT)
+    world = World(task)
+    seen = {'(mopped kitchen)': 1, '(washed pail)': 2}
+    found = candidates(world, world.parts(task.goal_text), seen)
+    weights = {candidate.pattern.goal: candidate.weight for candidate in found}
+    assert {goal: weights[goal] for goal in seen} == {
+        '(mopped kitchen)': 1.0,
+        '(washed pail)': 2.0,
+    }
 
 
 def test_what_all_goals_seen_have_is_not_taken_away(park, tmp_path):

@@ -16,7 +16,7 @@ SEEN = {
     'kitchen': ('pancake by the window', 'salad outside'),
     'laboratory': ('sample c for lipids', 'sample a to the archive'),
     'mower': ('front and back lawn', 'front lawn with its edges'),
-    'windfarm': ('turbine 1 in colour', 'only the wind'),
+    'windfarm': ('turbine 1 in colour', 'turbine 4 in infrared'),
 }
 
 
@@ -28,7 +28,7 @@ def planner():
 
 
 @pytest.mark.parametrize('name', SEEN)
-def test_a_draft_has_what_was_written_by_hand_and_the_robot_says_the_same_ends(
+def test_a_draft_has_what_is_written_by_hand_and_says_the_same_ends_or_as_telling_ones(
     name, planner, tmp_path
 ):
     robot = Robot(ROBOTS / name, planner)
@@ -38,8 +38,8 @@ def test_a_draft_has_what_was_written_by_hand_and_the_robot_says_the_same_ends(
     assert not drafted.missing
     assert drafted.found >= 0.8 * drafted.by_hand
     assert drafted.proposed <= 2 * drafted.by_hand
-    ends = [robot.ends(positions) for positions in drafted.answers]
-    assert ends == [robot.ends(positions) for positions in robot.answers]
+    for told, by_hand, tied in zip(drafted.answers, robot.answers, drafted.tied, strict=True):
+        assert robot.ends(told) == robot.ends(by_hand) or tied
 
 
 def test_where_a_thing_stands_that_only_the_plan_takes_is_proposed_as_well(planner, tmp_path):

@@ -13,13 +13,13 @@ from mirror_explainer.commands.draft_user_model import main
 from mirror_explainer.explainer import explain
 from mirror_explainer.listener.goals import Part, parts_of
 from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
 from mirror_explainer.pddl import Task, goal_expression, read_task
 from mirror_explainer.planning import Planner
 from mirror_explainer.settings import Question
 
 NUMBERS = (1, 2, 3)  # of sentences
-TIE = 1e-9  # nats
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class Drafted:
 
     `missing` are the names of goals that it lacks. Of the `by_hand` facts and groups of facts
     it `found` some, and `proposed` so many, those in comments included. `answers` are the plan
-    positions that the robot tells of with at most 1, 2 and 3 sentences.
+    positions that the robot tells of with at most 1, 2 and 3 sentences; `tied` says of each
+    whether its listener would find the answer by hand as good.
     """
 
     missing: tuple[str, ...]
@@ -36,6 +37,7 @@ class Drafted:
     found: int
     proposed: int
     answers: tuple[frozenset[int], ...]
+    tied: tuple[bool, ...]
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,7 @@ class Robot:
     @cached_property
     def model(self) -> MirrorModel:
         """The listener of the model by hand, all planned."""
-        plan = self._read('plan.txt')
-        return prepared(self.task, plan, self.by_hand, self.planner).model
+        return self._prepared(self.by_hand).model
 
     @property
     def others(self) -> list[CandidateGoal]:
@@ -68,7 +69,7 @@ class Robot:
     @cached_property
     def answers(self) -> tuple[frozenset[int], ...]:
         """The plan positions that are told of with the model by hand."""
-        return self._answers(self.by_hand)
+        return _answers(self._prepared(self.by_hand))
 
     def drafted(self, seen: Sequence[CandidateGoal], folder: Path) -> Drafted:
         """Draft a model where these goals were seen once, in a folder for its files."""
@@ -88,12 +89,18 @@ class Robot:
             fact for fact in self.by_hand.uncertain_facts if fact in user_model.uncertain_facts
         ]
         found = [group for group in self.by_hand.one_of if any(set(group) <= g for g in groups)]
+        preparation = self._prepared(user_model)
+        answers = _answers(preparation)
         return Drafted(
             self._missing(user_model),
             len(self.by_hand.uncertain_facts) + len(self.by_hand.one_of),
             len(facts) + len(found),
             len(user_model.uncertain_facts) + len(groups),
-            self._answers(user_model),
+            answers,
+            tuple(
+                is_as_good(preparation.model, by_hand, told)
+                for by_hand, told in zip(self.answers, answers, strict=True)
+            ),
         )
 
     def ends(self, positions: frozenset[int]) -> frozenset[Part]:
@@ -101,30 +108,30 @@ class Robot:
         own = self.model.way.aims[self.model.true_goal][0]
         return frozenset(part for part, position in own.ends.items() if position in positions)
 
-    def same_ends(self, drafted: frozenset[int], by_hand: frozenset[int]) -> bool:
-        """Say whether two answers name the same parts of the robot's goal."""
-        return self.ends(drafted) == self.ends(by_hand)
-
-    def same_or_tied(self, drafted: frozenset[int], by_hand: frozenset[int]) -> bool:
-        """Say the same, or whether the model by hand finds both answers exactly as telling."""
-        return self.same_ends(drafted, by_hand) or abs(self.loss(drafted, by_hand)) <= TIE
-
-    def loss(self, drafted: frozenset[int], by_hand: frozenset[int]) -> float:
-        """Return how many nats less a draft's answer tells the listener that is by hand."""
-        gain = self.model.information_gain
-        return gain(sorted(by_hand)) - gain(sorted(drafted))
-
     def _missing(self, user_model: UserModel) -> tuple[str, ...]:
         """Return the names of the goals by hand that a draft does not have."""
         goals = {self._meaning(goal) for goal in user_model.goals}
         return tuple(goal.name for goal in self.by_hand.goals if self._meaning(goal) not in goals)
 
-    def _answers(self, user_model: UserModel) -> tuple[frozenset[int], ...]:
-        done = prepared(self.task, self._read('plan.txt'), user_model, self.planner)
-        return tuple(frozenset(explain(done, Question(n=n)).positions) for n in NUMBERS)
+    def _prepared(self, user_model: UserModel) -> Preparation:
+        return prepared(self.task, self._read('plan.txt'), user_model, self.planner)
 
     def _meaning(self, goal: CandidateGoal) -> frozenset[Part]:
         return frozenset(parts_of(goal_expression(self.task.model, goal.goal), self.task.model))
 
     def _read(self, name: str) -> str:
         return (self.folder / name).read_text()
+
+
+def loss(model: MirrorModel, told: frozenset[int], best: frozenset[int]) -> float:
+    """Return how many nats less an answer tells a listener than another."""
+    return model.information_gain(sorted(best)) - model.information_gain(sorted(told))
+
+
+def is_as_good(model: MirrorModel, told: frozenset[int], best: frozenset[int]) -> bool:
+    """Say whether an answer tells a listener as much, but for what is not worth a sentence."""
+    return loss(model, told, best) <= (model.listener.min_gain or 0.0)
+
+
+def _answers(preparation: Preparation) -> tuple[frozenset[int], ...]:
+    return tuple(frozenset(explain(preparation, Question(n=n)).positions) for n in NUMBERS)

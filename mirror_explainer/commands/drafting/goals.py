@@ -34,8 +34,8 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     `own` are the parts of the robot's goal, which counts as seen once more where others
     were seen; `seen` are goals with how often. A goal that is new is expected as often as one
     was: once for each different goal, of its form (Witten and Bell's estimate), and once
-    for each form (Laplace's). The own goal with a part less counts as seen once where its form
-    was seen. Raises InputError for a goal that is none of the task's.
+    for each form (Laplace's). The own goal with a part less, if it is new, counts as seen once
+    where its form was seen. Raises InputError for a goal that is none of the task's.
     """
     often = {tuple(own): 1}
     for goal, count in seen.items():
@@ -53,9 +53,9 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
         forms = [pattern for patterns in like.values() for pattern in patterns]
         for fewer in less[tuple(own)]:
             rest = _same(found, Pattern(fewer))
-            is_of_form = any(world.stands_for(form, rest) for form in forms)
-            before, reason = found.get(rest, (0.0, 'its own with a part less'))
-            found[rest] = (before + (1.0 if is_of_form else _NEARLY), reason)
+            if rest not in found:
+                is_of_form = any(world.stands_for(form, rest) for form in forms)
+                found[rest] = (1.0 if is_of_form else _NEARLY, 'its own with a part less')
     these = 'these' if lifted == frequent else f'the {MOST_LIFTED} most frequent of these'
     for parts in lifted:
         why = f'like {these}' if seen else 'like its own'
