@@ -4,9 +4,11 @@ Without ROS; the node publishes it on /diagnostics. docs/operations.md has a tab
 the values.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
+from mirror_explainer.errors import some_of
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.node.history import History
 from mirror_explainer.node.inputs import Inputs
@@ -57,6 +59,9 @@ def diagnose(
         message = f'{readiness.message}; the last update failed: {message}'
     elif working:
         message, cure = readiness.message, ''
+    if crowd := crowded(surroundings.publishers):
+        level = max(level, Level.WARN)
+        message, cure = f'{message}; {crowd[0]}', f'{crowd[1]} {cure}'.strip()
     since = history.since if readiness.phase is history.outcome.phase else readiness.since
     values = {
         'state': readiness.phase.value,
@@ -67,7 +72,7 @@ def diagnose(
         'inputs': readiness.inputs.digest,
         **_ages(inputs, surroundings, now),
         'other servers of verbalize_plan': str(surroundings.rivals),
-        **{f'publishers of {n}': str(count) for n, count in surroundings.publishers.items()},
+        **{f'publishers of {n}': str(len(by)) for n, by in surroundings.publishers.items()},
         **_work(readiness, history, answer),
         'MiB of node': f'{surroundings.node_memory / 2**20:.0f}',
         'MiB of planners': f'{surroundings.planner_memory / 2**20:.0f}',
@@ -88,12 +93,17 @@ def _verdict(
         message, cure = rivalry(surroundings.rivals)
         return Level.WARN, f'{readiness.message}, but {message}', cure
     model = readiness.preparation.model
-    silent = [name for name, count in surroundings.publishers.items() if not count]
-    if silent:
+    if silent := _silent(readiness.inputs, surroundings):
         return (
             Level.WARN,
             f'{readiness.message}, but nobody publishes {" and ".join(silent)} any more',
-            "See whether the robot's planner still runs: the answers are about its last plan.",
+            'See whether what published it still runs: the answers are about what it told last.',
+        )
+    if not readiness.inputs.user_model_file:
+        return (
+            Level.WARN,
+            f'{readiness.message}, but without a user model: answers tell the parts of the goal',
+            "Name one as user_model_file; draft_user_model drafts it from the robot's texts.",
         )
     if not model.complete:
         left_out = f'{model.covered:.0%} of P(B) within max_beliefs'
@@ -123,6 +133,29 @@ def _what_is_waited_for(
         f'{readiness.message}; somebody publishes {" and ".join(unheard)}, but nothing was heard',
         'Let it be published again, or latched (transient local). If that does not help, the '
         'middleware loses it: start this node again.',
+    )
+
+
+def _silent(inputs: Inputs, surroundings: Surroundings) -> list[str]:
+    """Return the topics on which the robot told what it does, and nobody publishes now."""
+    told = {'problem': inputs.problem, 'plan': inputs.plan, 'progress': inputs.progress}
+    return [n for n, text in told.items() if text and surroundings.publishers.get(n) == ()]
+
+
+def crowded(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
+    """Return what is wrong where two nodes tell the same, and the cure; None if none do.
+
+    `publishers` are the names of the nodes that publish each input.
+    """
+    topics = [name for name, nodes in publishers.items() if len(nodes) > 1]
+    if not topics:
+        return None
+    nodes = sorted({node for name in topics for node in publishers[name]})
+    return (
+        f'more than one node publishes {" and ".join(topics)} (named {some_of(nodes)}), and what '
+        'they tell is mixed',
+        'Of two robots give each a namespace or ROS_DOMAIN_ID of its own; of one robot let one '
+        'node publish a topic. One that was killed is forgotten after 20 s.',
     )
 
 

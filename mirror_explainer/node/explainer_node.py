@@ -5,6 +5,7 @@ import gc
 import logging
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -30,7 +31,7 @@ from std_srvs.srv import Trigger
 
 from mirror_explainer.errors import with_cure
 from mirror_explainer.node.diagnostic_message import diagnostic_array
-from mirror_explainer.node.diagnostics import rivalry
+from mirror_explainer.node.diagnostics import crowded, rivalry
 from mirror_explainer.node.inputs import TOPICS, Configuration, Text
 from mirror_explainer.node.live_explainer import MOST_WAITING_CALLS, LiveExplainer
 from mirror_explainer.node.parameters import (
@@ -105,6 +106,7 @@ class ExplainerNode(Node):
             _log.warning('%s', sentence)
         self._service = self.resolve_service_name('verbalize_plan')
         self._rivals = 0
+        self._crowd: tuple[str, str] | None = None
 
         self._verbalization = self.create_publisher(String, '~/verbalization', LATCHED)
         self._explanation = self.create_publisher(String, '~/explanation', LATCHED)
@@ -206,11 +208,15 @@ class ExplainerNode(Node):
 
     @_guarded
     def _each_second(self) -> None:
-        """Tell how things are, and that a caller may hear another node; notice edited files."""
+        """Tell how things are, and what others mix up here; notice edited files."""
         rivals = max(0, self.count_services(self._service) - 1)
         if rivals and not self._rivals:
             _log.warning('%s', with_cure(*rivalry(rivals)))
         self._rivals = rivals
+        crowd = crowded(self._who_publishes())
+        if crowd and crowd != self._crowd:
+            _log.warning('%s', with_cure(*crowd))
+        self._crowd = crowd
         self._publish_diagnostics()
         self._ros_log.tell_counts()
         self._explainer.look_at_files()
@@ -220,16 +226,32 @@ class ExplainerNode(Node):
         self._verbalization.publish(String(data=text))
         self._explanation.publish(String(data=report))
 
+    def _who_publishes(self) -> dict[str, tuple[str, ...]]:
+        """Return the nodes that publish each input; of several nodes of one name each counts.
+
+        One node may publish a topic twice, such as latched and not.
+        """
+        there = Counter(
+            _full_name(place, name) for name, place in self.get_node_names_and_namespaces()
+        )
+        found = {}
+        for topic in TOPICS:
+            infos = self.get_publishers_info_by_topic(self.resolve_topic_name(topic))
+            publish = Counter(_full_name(info.node_namespace, info.node_name) for info in infos)
+            nodes = {name: min(count, max(1, there[name])) for name, count in publish.items()}
+            found[topic] = tuple(Counter(nodes).elements())
+        return found
+
     @_guarded
     def _publish_diagnostics(self) -> None:
-        publishers = {
-            name: self.count_publishers(self.resolve_topic_name(name))
-            for name in ('problem', 'plan')
-        }
-        found = self._explainer.diagnose(publishers, self._rivals)
+        found = self._explainer.diagnose(self._who_publishes(), self._rivals)
         name = f'{self.get_fully_qualified_name().lstrip("/")}: explanation'
         stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(diagnostic_array(found, name, stamp))
+
+
+def _full_name(namespace: str, name: str) -> str:
+    return f'{namespace.rstrip("/")}/{name}'
 
 
 def _spin_once(executor: Executor) -> None:

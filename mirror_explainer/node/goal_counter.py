@@ -38,11 +38,6 @@ class GoalCounter:
         self._before: Mapping[str, int] = {}
         self._unwritten: Counter[str] = Counter()
 
-    @property
-    def is_wanted(self) -> bool:
-        """Whether goals are counted at all."""
-        return bool(self._path)
-
     def before(self, situation: Situation, goal: str, limits: InputLimits) -> Mapping[str, int]:
         """Return how often the robot had each goal before its task, whose goal is counted now.
 

@@ -11,9 +11,9 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.goals_seen import with_goals_seen
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.preparation import Preparation, prepare
-from mirror_explainer.listener.user_model import UserModel, read_user_model
+from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
 from mirror_explainer.node.goal_counter import GoalCounter
-from mirror_explainer.node.inputs import USER_MODEL, Inputs, Text
+from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.readiness import Phase, Readiness, internal_error, planning
 from mirror_explainer.node.robot_status import RobotStatus
 from mirror_explainer.node.stop_request import StopRequest
@@ -26,6 +26,10 @@ _log = logging.getLogger(__name__)
 
 _START = (
     "Start what publishes these topics in the node's namespace, or remap them; set the parameters."
+)
+_NO_USER_MODEL = (
+    'no user model is named (parameter user_model_file): answers tell the parts of the '
+    "robot's goal, whoever asks"
 )
 _CORRECT = 'Correct it there: a new message, or the changed file, is taken up by itself.'
 
@@ -71,12 +75,9 @@ class InputReader:
         try:
             if inputs.missing:
                 self._check_alone(inputs)
-                if inputs.missing == (USER_MODEL,) and self._goals.is_wanted:
-                    self._count_goal(inputs, stop)
-                waiting = f'waiting for {", ".join(inputs.missing)}'
                 return Readiness(
                     Phase.WAITING,
-                    '; '.join(filter(None, (waiting, self._goals.warning))),
+                    f'waiting for {", ".join(inputs.missing)}',
                     cure=_START,
                     spoken=self.phrases.not_ready if inputs.plan else self.phrases.no_plan_yet,
                 )
@@ -108,13 +109,6 @@ class InputReader:
             )
             self.phrases = user_model.phrases
 
-    def _count_goal(self, inputs: Inputs, stop: StopRequest) -> None:
-        """Count the robot's goal where nothing is known yet of a listener."""
-        domain = self._domain(inputs)
-        read = partial(self._read, domain, inputs, stop)
-        situation = self._robot.update(domain.text, inputs, read)
-        self._goals.before(situation, read(situation.problem).goal_text, inputs.limits)
-
     def _prepare(self, inputs: Inputs, stop: StopRequest) -> Preparation:
         """Return what is known once all is read, without any planning.
 
@@ -128,7 +122,10 @@ class InputReader:
         read = partial(self._read, domain, inputs, stop)
 
         def user_model_for(task: Task) -> UserModel:
-            user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
+            if inputs.user_model_file:
+                user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
+            else:  # this listener knows the goal, but for how much of it the robot will do
+                user_model = UserModel((CandidateGoal(task.goal_text, task.goal_text, 1.0),))
             self.phrases = user_model.phrases
             return user_model
 
@@ -158,8 +155,9 @@ class InputReader:
             if user_model.goals_seen:
                 user_model = with_goals_seen(user_model, task, seen)
             preparation = prepare(task, plan, user_model, inputs.planning)
-            if self._goals.warning:
-                preparation = preparation.warned(self._goals.warning)
+            warnings = ['' if inputs.user_model_file else _NO_USER_MODEL, self._goals.warning]
+            for warning in filter(None, warnings):
+                preparation = preparation.warned(warning)
             seconds = replace(preparation.seconds, read=time.perf_counter() - started)
             preparation = replace(preparation, seconds=seconds)
             self._prepared = _Prepared(made_for, self.files.revision, preparation)

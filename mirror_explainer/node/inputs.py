@@ -10,7 +10,6 @@ from mirror_explainer.settings import PlanningSettings, Question, setting
 
 # The topics that are heard; a robot need not publish its progress.
 TOPICS = ('domain', 'problem', 'plan', 'progress')
-USER_MODEL = 'user model (parameter user_model_file)'
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,6 @@ class Inputs:
             'domain (topic, or parameter domain_file)': self.domain or self.domain_file,
             'problem (topic)': self.problem,
             'plan (topic)': self.plan,
-            USER_MODEL: self.user_model_file,
         }
         return tuple(name for name, value in present.items() if not value)
 

@@ -6,7 +6,7 @@ It knows nothing of ROS, so that a test, or another middleware, can drive it.
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -114,8 +114,8 @@ class LiveExplainer:
         """Forget what was said; return how many sentences that was."""
         return self._answers.forget()
 
-    def diagnose(self, publishers: Mapping[str, int], rivals: int) -> Diagnosis:
-        """Say how things stand, with how many publish each input, and other servers there are."""
+    def diagnose(self, publishers: Mapping[str, Sequence[str]], rivals: int) -> Diagnosis:
+        """Say how things stand, with which nodes publish each input, and other servers."""
         with self._lock:
             inputs, history = self._inputs, self._history
         surroundings = look_around(

@@ -3,7 +3,7 @@
 import contextlib
 import os
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -15,19 +15,20 @@ from mirror_explainer.node.memory import descendants, resident_memory
 class Surroundings:
     """Resident memory in bytes, seconds since each file was edited, publishers of each topic.
 
+    These are the names of the nodes that publish it; of several nodes of one name each counts.
     `rivals` counts the other servers of the node's service.
     """
 
     node_memory: int = 0
     planner_memory: int = 0
     file_ages: Mapping[str, float] = field(default_factory=dict)
-    publishers: Mapping[str, int] = field(default_factory=dict)
+    publishers: Mapping[str, Sequence[str]] = field(default_factory=dict)
     rivals: int = 0
     version: str = ''
 
 
 def look_around(
-    files: Iterable[str], publishers: Mapping[str, int], rivals: int = 0
+    files: Iterable[str], publishers: Mapping[str, Sequence[str]], rivals: int = 0
 ) -> Surroundings:
     """Return how things are now, with what the node sees of others in the graph."""
     node, planners = os.getpid(), sum(map(resident_memory, descendants(os.getpid())))

@@ -37,7 +37,7 @@ WAITING = Readiness(
 )
 WORKING = Readiness(Phase.PLANNING, 'planning 3 of 30')
 WRONG = Readiness(Phase.ERROR, '/plan, line 1: no action "fly"', cure='Publish another plan.')
-PUBLISHED = {'problem': 1, 'plan': 1}
+PUBLISHED = dict.fromkeys(('domain', 'problem', 'plan', 'progress'), ('/robot',))
 
 
 @pytest.fixture(scope='module')
@@ -59,7 +59,11 @@ def ready(planner: Planner) -> Readiness:
     texts = [(WAREHOUSE / name).read_text() for name in ('domain.pddl', 'problem.pddl')]
     steps = read_plan((WAREHOUSE / 'plan.txt').read_text())
     situation = situation_of(*texts, steps, lambda _: task)
-    return Readiness(Phase.READY, 'ready', replace(preparation, situation=situation))
+    preparation = replace(preparation, situation=situation)
+    inputs = Inputs(
+        problem=Text('', '/problem'), plan=Text('', '/plan'), user_model_file='user.yaml'
+    )
+    return Readiness(Phase.READY, 'ready', preparation, inputs)
 
 
 def seen(
@@ -112,14 +116,14 @@ def test_an_error_that_is_over_is_remembered_as_over(ready: Readiness) -> None:
 
 
 def test_waiting_is_a_warning_that_says_what_to_do() -> None:
-    diagnosis = seen(WAITING, surroundings=Surroundings(publishers={'problem': 1, 'plan': 0}))
+    diagnosis = seen(WAITING, surroundings=Surroundings(publishers={'plan': ()}))
 
     assert (diagnosis.level, diagnosis.message) == (Level.WARN, WAITING.message)
     assert diagnosis.values['what to do'] == WAITING.cure
 
 
 def test_what_is_published_and_does_not_arrive_has_another_cure() -> None:
-    both = Surroundings(publishers={'problem': 1, 'plan': 2})
+    both = Surroundings(publishers=PUBLISHED)
     just_started = seen(replace(WAITING, since=Moment()), surroundings=both)
     long_ago = Moment(steady=time.monotonic() - 1000.0)
     diagnosis = seen(replace(WAITING, since=long_ago), surroundings=both)
@@ -172,12 +176,37 @@ def test_updates_that_end_alike_do_not_change_since_when_it_is_so(ready: Readine
 
 
 def test_a_robot_that_fell_silent_is_a_warning(ready: Readiness) -> None:
-    diagnosis = seen(ready, surroundings=Surroundings(publishers={'problem': 1, 'plan': 0}))
+    diagnosis = seen(ready, surroundings=Surroundings(publishers=PUBLISHED | {'plan': ()}))
 
     assert diagnosis.level is Level.WARN
     assert diagnosis.message == 'ready, but nobody publishes plan any more'
-    assert "robot's planner" in diagnosis.values['what to do']
+    assert 'told last' in diagnosis.values['what to do']
     assert diagnosis.values['publishers of plan'] == '0'
+
+
+def test_that_two_nodes_tell_the_same_is_a_warning_whatever_else_is_wrong(
+    ready: Readiness,
+) -> None:
+    two = Surroundings(publishers=PUBLISHED | {'plan': ('/b/robot', '/a/robot')})
+
+    diagnosis, failed = seen(ready, surroundings=two), seen(WRONG, surroundings=two)
+
+    told = (
+        'more than one node publishes plan (named /a/robot; /b/robot), and what they tell is mixed'
+    )
+    assert (diagnosis.level, diagnosis.message) == (Level.WARN, f'ready; {told}')
+    assert diagnosis.values['publishers of plan'] == '2'
+    assert 'ROS_DOMAIN_ID' in diagnosis.values['what to do']
+    assert (failed.level, failed.message) == (Level.ERROR, f'{WRONG.message}; {told}')
+    assert failed.values['what to do'].endswith(WRONG.cure)
+
+
+def test_without_a_user_model_is_a_warning(ready: Readiness) -> None:
+    diagnosis = seen(replace(ready, inputs=replace(ready.inputs, user_model_file='')))
+
+    assert diagnosis.level is Level.WARN
+    assert diagnosis.message.startswith('ready, but without a user model')
+    assert 'draft_user_model' in diagnosis.values['what to do']
 
 
 def test_an_explanation_without_all_beliefs_is_a_warning(
@@ -185,7 +214,7 @@ def test_an_explanation_without_all_beliefs_is_a_warning(
 ) -> None:
     some = prepared(task, warehouse, planner, max_beliefs=10)
 
-    diagnosis = seen(Readiness(Phase.READY, 'ready', some))
+    diagnosis = seen(Readiness(Phase.READY, 'ready', some, Inputs(user_model_file='user.yaml')))
 
     assert diagnosis.level is Level.WARN
     assert 'not for all beliefs' in diagnosis.message

@@ -261,7 +261,7 @@ def test_where_planning_fails_as_a_whole_the_task_is_told_without_it_to_its_end(
         told.append(answer['spoken'])
         assert not answer['complete']
         assert answer['planned'] == 0.0
-    diagnosis = robot.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+    diagnosis = robot.explainer.diagnose({}, 0)
 
     assert told == [TOLD[0], TOLD[4], TOLD[10]]
     assert (diagnosis.level, diagnosis.values['state']) == (Level.ERROR, 'error')

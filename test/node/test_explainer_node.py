@@ -108,12 +108,15 @@ def test_what_is_missing_is_said_until_all_has_been_heard_even_if_nothing_is_lat
         say('domain', DOMAIN)
         say('plan', PLAN)
         peer.failure('I do not know yet.')
-        peer.set_parameters(user_model_file=USER_MODEL)
         say('problem', PROBLEM)
+        without_user_model = peer.answer()
+        peer.set_parameters(user_model_file=USER_MODEL)
         answer = peer.answer()
     assert 'waiting for domain (topic, or parameter domain_file), problem (topic)' in node.log
     assert '/plan, line' in mixed_up
-    assert 'waiting for problem (topic), user model (parameter user_model_file)' in node.log
+    assert 'waiting for problem (topic). ' in node.log
+    assert 'no user model is named (parameter user_model_file)' in node.log
+    assert without_user_model.endswith('I will exit through the bottom door.')
     assert answer == THREE_SENTENCES
 
 

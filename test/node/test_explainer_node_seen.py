@@ -123,12 +123,19 @@ def test_diagnostics_show_calls_memory_version_and_where_the_inputs_came_from(pe
     assert values['publishers of plan'] == '1'
 
 
-def test_a_robot_that_dies_is_seen_and_its_return_too(tmp_path):
-    listener = Peer(new_namespace())
-    robot = Peer(listener.node.get_namespace())
-    with explainer(listener, tmp_path):
+def test_another_robot_on_the_same_topics_is_seen_and_that_both_die_and_one_returns(tmp_path):
+    namespace = new_namespace()
+    listener, robot, other = (Peer(namespace) for _ in range(3))
+    with explainer(listener, tmp_path) as node:
         robot.publish_warehouse()
         listener.answer()
+        other.publish('plan', PLAN)
+        mixed = eventually(
+            lambda: 'publishes plan' in (found := last_diagnostic(listener))['message'] and found,
+            'that two publish the plan',
+        )
+        other.close()
+        eventually(lambda: last_diagnostic(listener)['message'] == 'ready', 'that one has gone')
         robot.close()
         # Its publishers go one after the other.
         gone = eventually(
@@ -144,6 +151,11 @@ def test_a_robot_that_dies_is_seen_and_its_return_too(tmp_path):
         eventually(lambda: last_diagnostic(listener)['message'] == 'ready', 'the robot again')
     listener.close()
 
+    told = (
+        f'more than one node publishes plan (named {namespace}/peer), and what they tell is mixed'
+    )
+    assert (mixed['level'], mixed['message']) == (DiagnosticStatus.WARN, f'ready; {told}')
+    assert node.log.count(told) == 1
     assert gone['level'] == DiagnosticStatus.WARN
     assert answer.success
 

@@ -147,11 +147,14 @@ def test_robots_that_publish_at_once_are_explained_by_the_newest_of_each_topic(
         peer.publish('plan', PLAN)
         ended = time.monotonic()
         eventually(lambda: peer.answer() == THREE_SENTENCES, 'the answer to the last two')
+        seconds = time.monotonic() - ended
+        told = 'more than one node publishes problem and plan'
+        level = diagnosed(peer, told)
         fault_table.add(
             'two robots publish at once, 20 times each',
             'waits for the newest of each topic; "…/plan: …" where the two do not fit',
-            'planning, or ERROR where the two do not fit',
-            time.monotonic() - ended,
+            f'{level}: {told}; ERROR where the two do not fit',
+            seconds,
         )
     low_battery.close()
 

@@ -212,9 +212,9 @@ def test_goals_are_counted_before_there_is_a_user_model(operator, tmp_path: Path
     file = tmp_path / 'seen.yaml'
     robot: Operator = operator(goals_seen_file=str(file))
     robot.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
-    robot.refusal()
+    robot.answer()
     robot.publish(problem=OTHER, plan='\n'.join([*LINES[:2], *LINES[5:]]))
-    robot.refusal()
+    robot.answer()
     assert read_goals_seen(str(file)).counts == {GOAL: 1, OTHER_GOAL: 1}
 
     robot.set(user_model_file=str(WAREHOUSE / 'user_model.yaml'))
@@ -231,5 +231,5 @@ def test_a_file_that_cannot_be_used_takes_no_answer_away(operator, tmp_path: Pat
     robot.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
 
     assert robot.answer().endswith('I will exit from the bottom door.')
-    warnings = robot.explainer.diagnose({'problem': 1, 'plan': 1}, 0).values['warnings']
+    warnings = robot.explainer.diagnose({}, 0).values['warnings']
     assert f'until this is mended: {file}, line 1: no YAML that can be read' in warnings

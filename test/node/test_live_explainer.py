@@ -108,19 +108,26 @@ def test_what_is_missing_is_said_until_all_has_been_heard(operator) -> None:
     mixed_up = robot.refusal()
     robot.publish(domain=DOMAIN, plan=PLAN)
     rest, of_the_rest = robot.refusal(), robot.explainer.diagnose({}, 0).message
-    robot.set(user_model_file=USER_MODEL)
     robot.publish(problem=PROBLEM)
 
     assert nothing == 'I have no plan yet.'
     assert for_the_operator == (
-        'waiting for domain (topic, or parameter domain_file), problem (topic), plan (topic), '
-        'user model (parameter user_model_file)'
+        'waiting for domain (topic, or parameter domain_file), problem (topic), plan (topic)'
     )
     assert mixed_up.startswith(
         '/plan, line 1: this is a PDDL definition, but a plan is expected here'
     )
     assert rest == 'I do not know yet. Please ask me again in a moment.'
-    assert of_the_rest == 'waiting for problem (topic), user model (parameter user_model_file)'
+    assert of_the_rest == 'waiting for problem (topic)'
+    # Without a user model the parts of the goal are told.
+    assert robot.answer() == (
+        'I will grab the blue cube from the blue room.\n'
+        'I will grab the red circle from the red room.\n'
+        'I will exit through the bottom door.'
+    )
+    warnings = robot.explainer.diagnose({}, 0).values['warnings']
+    assert warnings.startswith('no user model is named (parameter user_model_file)')
+    robot.set(user_model_file=USER_MODEL)
     assert robot.answer() == THREE_SENTENCES
 
 
@@ -206,7 +213,7 @@ def test_bad_input_is_told_by_calls_and_diagnostics_until_good_input_comes(
     topic, text, expected = BAD_INPUTS[what]
     served.publish(**{topic: text})
     reason = served.refusal()
-    diagnosis = served.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+    diagnosis = served.explainer.diagnose({}, 0)
     served.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
 
     assert expected in reason
@@ -214,7 +221,7 @@ def test_bad_input_is_told_by_calls_and_diagnostics_until_good_input_comes(
     assert diagnosis.message == reason
     assert diagnosis.level is Level.ERROR
     assert served.answer() == THREE_SENTENCES
-    healed = served.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+    healed = served.explainer.diagnose({}, 0)
     assert (healed.level, healed.message) == (Level.OK, 'ready')
 
 
@@ -226,7 +233,7 @@ def test_a_robot_without_a_plan_says_so_in_the_user_models_words_and_diagnostics
     by_default = served.refusal()
     served.set(user_model_file=str(model_file(words)))
     in_own_words = served.refusal()
-    diagnosis = served.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+    diagnosis = served.explainer.diagnose({}, 0)
 
     assert by_default == 'I have nothing to do right now.'
     assert in_own_words == 'I wait for orders.'
@@ -309,7 +316,7 @@ def test_where_planning_takes_longer_than_calls_wait_they_are_answered_from_what
     sentences = publish_tiles(puzzled, moves=200)
     reply = eventually(lambda: (found := puzzled.explainer.ask()).success and found, 'an answer')
     report = json.loads(puzzled.published[-1][1])
-    diagnosis = puzzled.explainer.diagnose({'problem': 1, 'plan': 1}, 0)
+    diagnosis = puzzled.explainer.diagnose({}, 0)
 
     assert set(reply.message.split('\n')) <= set(sentences)
     assert not report['complete']
@@ -324,7 +331,7 @@ def test_what_planning_finds_is_published_by_the_next_call_and_not_by_itself(ser
     served.publish(plan=PLAN + '; another text')
     eventually(lambda: served.explainer.ask().success, 'the first answer')
     eventually(
-        lambda: served.explainer.diagnose({'problem': 1, 'plan': 1}, 0).message == 'ready',
+        lambda: served.explainer.diagnose({}, 0).message == 'ready',
         'the end of the planning',
     )
     before = len(served.published)
