@@ -13,6 +13,7 @@ from plain_downward import plain_costs
 
 from mirror_explainer.experiments.planning.cases import every_belief
 from mirror_explainer.planning import Belief, BeliefSpace, Planner, Status
+from mirror_explainer.planning.downward.ground_task import Operator
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.translations import Translations
@@ -122,23 +123,32 @@ def tries(lesson: Try | None, left: float) -> list[tuple[str, float]]:
     return found
 
 
-def test_short_tries_of_every_search_come_before_longer_ones() -> None:
+def test_short_tries_of_every_search_come_before_longer_ones_but_for_the_first() -> None:
     first, second, third = PLAIN
 
     assert tries(None, 33.0) == [
-        *((member, 1.0) for member in PLAIN),
-        *((member, 4.0) for member in PLAIN),
-        (first, 16.0),
-        (second, 2.0),
+        (first, 5.0),
+        (second, 1.0),
+        (third, 1.0),
+        (second, 4.0),
+        (third, 4.0),
+        (second, 16.0),
+        (third, 2.0),
     ]
 
 
-def test_the_search_that_goes_through_all_operators_is_first_where_they_are_few() -> None:
-    few, many = plain(100), plain(200)
+def test_lm_cut_is_first_where_operators_are_few_or_several_things_act() -> None:
+    def moves(count: int, robots: int) -> list[Operator]:
+        return [
+            Operator('(move)', ((n % robots, n),), ((n % robots, -n),), 1) for n in range(count)
+        ]
+
+    few, many, of_two = plain(moves(100, 1)), plain(moves(200, 1)), plain(moves(200, 2))
 
     assert 'lmcut' in few[0]
+    assert 'lmcut' in of_two[0]
     assert 'lmcut' not in many[0]
-    assert sorted(few) == sorted(many) == sorted(PLAIN)
+    assert sorted(few) == sorted(many) == sorted(of_two) == sorted(PLAIN)
 
 
 def test_what_suited_one_task_is_tried_first_and_for_longer_at_the_next() -> None:

@@ -16,6 +16,13 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from mirror_explainer.planning.downward.ground_task import Fact, Operator
 
+# What an operator makes of a variable that it needs, None if that stays; its cost, and what else
+# it needs and makes true.
+_Use = tuple[int | None, int, frozenset[Fact], frozenset[Fact]]
+
+# After so many operators have been gone through, only those without an equal are.
+_FEW = 3
+
 _NOTHING = Operator('', (), (), 0)
 
 
@@ -55,8 +62,8 @@ class _Weighing:
         self._users: dict[Fact, list[Operator]] = defaultdict(list)
         self._same: dict[tuple[Fact, int | None], list[Operator]] = defaultdict(list)
         for operator in sorted(operators, key=lambda operator: len(operator.needs)):
-            for uses in self._lists_of(operator):
-                uses.append(operator)
+            for users in self._lists_of(operator):
+                users.append(operator)
         self._wanted: dict[int, set[int]] = defaultdict(set)
         for variable, value in (*self._goal, *self._users):
             self._wanted[variable].add(value)
@@ -67,6 +74,7 @@ class _Weighing:
                 if variable not in operator.needs:
                     self._at_once[variable].add(value)
         self._followed: dict[tuple[Fact, int], bool] = {}
+        self._uses: dict[Fact, dict[_Use, list[Operator]]] = {}
 
     def _lists_of(self, operator: Operator) -> Iterator[list[Operator]]:
         for fact in operator.needs.items():
@@ -82,10 +90,18 @@ class _Weighing:
         for variable in matter & operator.needs.keys():
             made = variable, operator.changes[variable]
             if made not in self._goal and self._is_needless(operator, made, spoils):
-                for uses in self._lists_of(operator):
-                    uses.remove(operator)
+                self._leave_out(operator)
                 return True
         return False
+
+    def _leave_out(self, operator: Operator) -> None:
+        for users in self._lists_of(operator):
+            users.remove(operator)
+        for fact in self._uses.keys() & operator.needs.items():
+            equals = self._uses[fact][_use(operator, fact)]
+            equals.remove(operator)
+            if not equals:
+                del self._uses[fact][_use(operator, fact)]
 
     def _is_needless(self, operator: Operator, made: Fact, spoils: bool) -> bool:
         """Say whether something else does as well that does not make this fact true."""
@@ -106,7 +122,7 @@ class _Weighing:
                 and self._is_as_good(instead, operator, variable)
             ):
                 kept = self._kept(made, instead, operator)
-                if self._is_followed(made, other, saved, kept, operator):
+                if self._is_followed(made, other, saved, kept):
                     return True
         return False
 
@@ -133,34 +149,40 @@ class _Weighing:
             )
         return self._followed[made, other]
 
-    def _is_followed(
-        self,
-        made: Fact,
-        other: int,
-        saved: float,
-        kept: Collection[Fact],
-        without: Operator | None = None,
-    ) -> bool:
+    def _is_followed(self, made: Fact, other: int, saved: float, kept: Collection[Fact]) -> bool:
         """Say whether all that needs a fact has a counterpart that does with the other value.
 
         The counterpart may cost more by what was `saved`, and find true what is `kept` so.
         """
-        variable = made[0]
-        fact = (variable, other)
-        for after in self._users[made]:
-            end = after.changes.get(variable)
-            most = after.cost if end is None else after.cost + saved
-            for then in self._counterparts(fact, end):
-                if (
-                    then is not without
-                    and then.cost <= most
-                    and then.needs.items() - {fact} <= after.needs.items()
-                    and self._is_as_good(then, after, variable, kept)
-                ):
-                    break
-            else:
+        fact = (made[0], other)
+        for number, after in enumerate(self._users[made]):
+            if number == _FEW:
+                uses = self._uses_of(made)
+                unlike = uses.keys() - self._uses_of(fact).keys()
+                return all(self._has_counterpart(uses[u][0], fact, saved, kept) for u in unlike)
+            if not self._has_counterpart(after, fact, saved, kept):
                 return False
         return True
+
+    def _has_counterpart(
+        self, after: Operator, fact: Fact, saved: float, kept: Collection[Fact]
+    ) -> bool:
+        end = after.changes.get(fact[0])
+        most = after.cost if end is None else after.cost + saved
+        return any(
+            then.cost <= most
+            and then.needs.items() - {fact} <= after.needs.items()
+            and self._is_as_good(then, after, fact[0], kept)
+            for then in self._counterparts(fact, end)
+        )
+
+    def _uses_of(self, fact: Fact) -> dict[_Use, list[Operator]]:
+        """Return what needs a fact, by all that matters of it."""
+        if fact not in self._uses:
+            uses = self._uses[fact] = defaultdict(list)
+            for operator in self._users[fact]:
+                uses[_use(operator, fact)].append(operator)
+        return self._uses[fact]
 
     def _counterparts(self, fact: Fact, end: int | None) -> Iterator[Operator]:
         """Yield what needs a fact and makes this of its variable."""
@@ -188,3 +210,10 @@ class _Weighing:
             if not good:
                 return False
         return True
+
+
+def _use(operator: Operator, fact: Fact) -> _Use:
+    """Return all that matters of an operator that needs a fact."""
+    others = (change for change in operator.changes.items() if change[0] != fact[0])
+    rest = frozenset(operator.needs.items() - {fact})
+    return operator.changes.get(fact[0]), operator.cost, rest, frozenset(others)

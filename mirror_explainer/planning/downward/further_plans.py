@@ -82,8 +82,7 @@ class FurtherPlans:
         if node.goal not in self._goal_tasks:
             assert self._task is not None, 'else all is known'
             self._goal_tasks[node.goal] = GoalTask(self._task, self._walk.goal(node))
-        search_task, state = self._goal_tasks[node.goal].from_state(node.state)
-        return SearchInput(search_task.text(state), self._members)
+        return SearchInput(self._goal_tasks[node.goal].text(node.state), self._members)
 
     def checked(self, node: Node, plans: Sequence[Actions]) -> Finding | None:
         """Return up to `most` of the plans, None if these are none, or one is wrong."""

@@ -15,7 +15,7 @@ State = tuple[int, ...]
 Actions = tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Operator:
     """A ground action, named "(move left center)": what it needs, what it makes true, its cost."""
 

@@ -111,6 +111,7 @@ class Searches:
                     for subjects in all_subjects:
                         while subjects.ready:
                             self._begin(_Job(subjects, subjects.ready.popleft(), self._timeout))
+                            self._fill(selector)
                     self._fill(selector)
                     if any(subjects.ready for subjects in all_subjects):
                         continue

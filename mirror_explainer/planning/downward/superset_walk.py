@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Actions, Fact, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
-from mirror_explainer.planning.downward.portfolio import Try, plain
+from mirror_explainer.planning.downward.portfolio import Try
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
 from mirror_explainer.planning.downward.what_matters import GoalTask
 
@@ -128,8 +128,8 @@ class SupersetWalk:
 
     def search_input(self, node: Node) -> SearchInput:
         """Return what matters of the node's task."""
-        task, state = self._goal_tasks[node.goal].from_state(node.state)
-        return SearchInput(task.text(state), plain(len(task.operators)))
+        goal_task = self._goal_tasks[node.goal]
+        return SearchInput(goal_task.text(node.state), goal_task.searches)
 
     def checked(self, node: Node, plans: Sequence[Actions]) -> Finding | None:
         """Return the plans if they reach the goal, None otherwise."""

@@ -11,7 +11,8 @@ from functools import cached_property
 
 from mirror_explainer.planning.downward.dispensable import indispensable
 from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
-from mirror_explainer.planning.downward.search_task import Numbering, SearchTask
+from mirror_explainer.planning.downward.portfolio import plain
+from mirror_explainer.planning.downward.search_task import Numbering
 
 
 class GoalTask:
@@ -24,24 +25,37 @@ class GoalTask:
 
     def __init__(self, task: GroundTask, goal: tuple[Fact, ...], gain: int = 1) -> None:
         self.goal = goal
-        needed = helpful(task.operators, goal)
-        self.variables = {v for o in needed for v in o.needs} | {v for v, _ in goal}
-        left = indispensable(needed, goal, task.mutexes, gain)
-        self.operators = helpful(left, goal) if len(left) < len(needed) else needed
-        self._sizes = task.sizes
-        self._relaxation = Relaxation(self.operators)
+        self._helpful = helpful(task.operators, goal)
+        self.variables = {v for o in self._helpful for v in o.needs} | {v for v, _ in goal}
+        self._task = task
+        self._gain = gain
+
+    @cached_property
+    def operators(self) -> list[Operator]:
+        """The operators that can help, and cannot be dispensed with."""
+        left = indispensable(self._helpful, self.goal, self._task.mutexes, self._gain)
+        return helpful(left, self.goal) if len(left) < len(self._helpful) else self._helpful
+
+    @cached_property
+    def _relaxation(self) -> 'Relaxation':
+        return Relaxation(self.operators)
 
     def may_be_reached(self, state: State) -> bool:
         """Say whether the goal could be reached if nothing ever became false."""
         return self._relaxation.reached(state).issuperset(self.goal)
 
-    def from_state(self, state: State) -> tuple[SearchTask, State]:
-        """Return a search from a state."""
-        return self._numbering.task, self._numbering.state(state)
+    def text(self, state: State) -> bytes:
+        """Return the input of a search from a state."""
+        return self._numbering.task.text(self._numbering.state(state))
+
+    @cached_property
+    def searches(self) -> tuple[str, ...]:
+        """Which searches to try."""
+        return plain(self.operators)
 
     @cached_property
     def _numbering(self) -> Numbering:
-        return Numbering(self._sizes, self.operators, self.goal, self.variables)
+        return Numbering(self._task.sizes, self.operators, self.goal, self.variables)
 
 
 def helpful(operators: Sequence[Operator], goal: Iterable[Fact]) -> list[Operator]:
