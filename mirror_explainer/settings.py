@@ -11,6 +11,7 @@ from typing import Any
 STRATEGIES = ('informative', 'increasing', 'decreasing')
 LISTENERS = ('open', 'planner')
 FAST = 'fast-downward-opt'  # the planner that is asked the fast way wherever that is right
+FURTHER_PLANS = "'kstar-planner>=1.6,<2'"  # what the extra [plans] needs
 
 
 @dataclass(frozen=True)

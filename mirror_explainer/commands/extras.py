@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from importlib.util import find_spec
 
+from mirror_explainer.settings import FURTHER_PLANS
+
 # Of each extra, the modules that are imported and the packages that hold them.
 _NEEDED: Mapping[str, Mapping[str, str]] = {
     'experiments': {
@@ -13,7 +15,7 @@ _NEEDED: Mapping[str, Mapping[str, str]] = {
         'tabulate': 'tabulate',
         'tqdm': 'tqdm',
     },
-    'plans': {'kstar_planner': "'kstar-planner>=1.6,<2'"},
+    'plans': {'kstar_planner': FURTHER_PLANS},
     'web': {
         'django': "'Django>=5.2,<6'",
         'django_htmx': 'django-htmx',

@@ -22,7 +22,7 @@ from mirror_explainer.pddl.progress import StepStatus
 from mirror_explainer.pddl.simulation import Run, truths
 from mirror_explainer.pddl.situation import Situation
 from mirror_explainer.planning import Belief, BeliefPlans, Plan, Planner, Status, Stop
-from mirror_explainer.settings import PlanningSettings
+from mirror_explainer.settings import FURTHER_PLANS, PlanningSettings
 
 # Planning tells of what it found no more often than this, in seconds.
 _BETWEEN_REFINEMENTS = 0.1
@@ -327,7 +327,5 @@ def _warnings(prior: Prior, results: Mapping[Belief, BeliefPlans]) -> Iterator[s
         )
     without = [result for result in results.values() if result.cut == 'planner']
     if without:
-        why = (
-            without[0].reason or "they need the extra [plans]: pip install 'kstar-planner>=1.6,<2'"
-        )
+        why = without[0].reason or f'they need the extra [plans]: pip install {FURTHER_PLANS}'
         yield f'no further plans for {len(without)} of {len(results)} beliefs: {why}'

@@ -8,7 +8,6 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
-from types import TracebackType
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import (
@@ -157,12 +156,7 @@ class Planner:
     def __enter__(self) -> 'Planner':
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

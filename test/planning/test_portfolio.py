@@ -55,7 +55,7 @@ def searched(subjects: Subjects, subject: object, text: bytes, member: str) -> f
     if outcome.status is Status.UNSOLVABLE:
         return None
     finding = subjects.checked(subject, outcome.plans)
-    result = finding and subjects.result(subject, finding)
+    result = finding and subjects.settle(subject, finding)
     assert result, (member, outcome.plans)
     return result.plans[0].cost
 

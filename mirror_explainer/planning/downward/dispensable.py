@@ -10,7 +10,6 @@ until the variable is the same again.
 """
 
 import itertools
-import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
@@ -73,7 +72,6 @@ class _Weighing:
             for variable, value in operator.changes.items():
                 if variable not in operator.needs:
                     self._at_once[variable].add(value)
-        self._followed: dict[tuple[Fact, int], bool] = {}
         self._uses: dict[Fact, dict[_Use, list[Operator]]] = {}
 
     def _lists_of(self, operator: Operator) -> Iterator[list[Operator]]:
@@ -117,7 +115,6 @@ class _Weighing:
             if (
                 other != value
                 and saved >= 0
-                and self._may_be_followed(made, other)
                 and instead.needs.items() <= operator.needs.items()
                 and self._is_as_good(instead, operator, variable)
             ):
@@ -140,14 +137,6 @@ class _Weighing:
             and (v, kept) in self._mutexes[made]
             and self._at_once[v] <= {kept}
         }
-
-    def _may_be_followed(self, made: Fact, other: int) -> bool:
-        """Say whether that is so if all that can be is kept, and cost is no matter."""
-        if (made, other) not in self._followed:
-            self._followed[made, other] = self._is_followed(
-                made, other, math.inf, self._mutexes[made]
-            )
-        return self._followed[made, other]
 
     def _is_followed(self, made: Fact, other: int, saved: float, kept: Collection[Fact]) -> bool:
         """Say whether all that needs a fact has a counterpart that does with the other value.

@@ -7,14 +7,13 @@ in another order are one observation to the listener.
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property
 from random import Random
 
 from mirror_explainer.planning.beliefs import BeliefPlans, Cut, Plan, Status
 from mirror_explainer.planning.downward.ground_task import Actions, GroundTask
 from mirror_explainer.planning.downward.program import PLAN_FILE
 from mirror_explainer.planning.downward.subject import Finding, SearchInput
-from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk
+from mirror_explainer.planning.downward.superset_walk import Node, SupersetWalk, released
 from mirror_explainer.planning.downward.what_matters import GoalTask
 
 # K* gives those plans first that are much alike. So it is asked for as many as this, if there are
@@ -53,15 +52,14 @@ class FurtherPlans:
         self._most = most
         self._count = max(most + 1, _SAMPLED)
         self._members = (_configuration(self._count),)
+        self._places = {item: place for place, item in enumerate(walk.objects)}
         self._goal_tasks: dict[int, GoalTask] = {}
         self._found: dict[Node, Finding | None] = {}
-        self._plan = {node: plan for node, plan in walk.optimal() if plan}
-        self._open_parents = {
-            node: sum(parent in self._plan for parent in node.parents) for node in self._plan
-        }
+        self._plan = {node: node.plan for node in walk.nodes if node.plan}
         for node in self._plan:
             node.hopeless, node.lesson = False, None  # by other searches
-        self.ready = deque(node for node in self._plan if not self._open_parents[node])
+            node.open_parents = sum(parent in self._plan for parent in node.parents)
+        self.ready = deque(node for node in self._plan if not node.open_parents)
 
     def known(self, node: Node) -> Finding | None:
         """Return what needs no search: mostly the plans under more facts, if all work here.
@@ -81,13 +79,13 @@ class FurtherPlans:
         """Return what matters of the node's task, with no free actions."""
         if node.goal not in self._goal_tasks:
             assert self._task is not None, 'else all is known'
-            self._goal_tasks[node.goal] = GoalTask(self._task, self._walk.goal(node))
+            self._goal_tasks[node.goal] = GoalTask(self._task, self._walk.goals[node.goal] or ())
         return SearchInput(self._goal_tasks[node.goal].text(node.state), self._members)
 
     def checked(self, node: Node, plans: Sequence[Actions]) -> Finding | None:
         """Return up to `most` of the plans, None if these are none, or one is wrong."""
         # An action whose condition has alternatives is several operators of one name.
-        different = {self._as_declared(plan): plan for plan in plans}
+        different = {tuple(sorted(map(self._as_declared, plan))): plan for plan in plans}
         kept = sorted(different)
         if len(kept) > self._most:
             kept = Random(0).sample(kept, self._most)
@@ -103,26 +101,15 @@ class FurtherPlans:
             for plan in plans
         )
 
-    def _as_declared(self, plan: Actions) -> tuple[int, ...]:
-        """Return the plan's actions as numbers, sorted, which do not depend on names."""
-        return tuple(sorted(self._places.get(action, -1) for action in plan))
+    def _as_declared(self, action: str) -> tuple[str, tuple[int, ...]]:
+        """Return an action with its objects by where they are declared: names mean nothing."""
+        name, _, objects = action[1:-1].partition(' ')
+        return name, tuple(self._places.get(item, -1) for item in objects.split())
 
-    @cached_property
-    def _places(self) -> dict[str, int]:
-        declared = self._walk.as_declared(self._walk.task.operators)
-        return {operator.name: place for place, operator in enumerate(declared)}
-
-    def settle(self, node: Node, finding: Finding | None) -> None:
-        """Take in what was found; nodes with fewer facts may become ready."""
+    def settle(self, node: Node, finding: Finding | None) -> BeliefPlans:
+        """Take in the plans that were found, or why it is the first one only."""
         self._found[node] = finding
-        for child in node.children:
-            if child in self._open_parents:
-                self._open_parents[child] -= 1
-                if not self._open_parents[child]:
-                    self.ready.append(child)
-
-    def result(self, node: Node, finding: Finding | None) -> BeliefPlans:
-        """Return the plans that were found, or why it is the first one only."""
+        self.ready.extend(released(node))
         if finding is None:
             cut: Cut = 'time' if node.hopeless else 'planner'
             plans: tuple[Actions, ...] = (self._plan[node],)

@@ -15,6 +15,11 @@ State = tuple[int, ...]
 Actions = tuple[str, ...]
 
 
+def canonical(action: str) -> str:
+    """Return the name of a ground action such as "(act )" as "(act)"."""
+    return f'({" ".join(action.strip("() ").split())})'
+
+
 @dataclass(frozen=True, eq=False)
 class Operator:
     """A ground action, named "(move left center)": what it needs, what it makes true, its cost."""

@@ -9,13 +9,13 @@ import json
 import os
 import subprocess
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.planning.beliefs import Status
-from mirror_explainer.planning.downward.ground_task import Actions
+from mirror_explainer.planning.downward.ground_task import Actions, canonical
 from mirror_explainer.planning.processes.confinement import limit_search
 
 # https://www.fast-downward.org/latest/documentation/exit-codes/
@@ -54,13 +54,13 @@ def _one_plan(text: str) -> tuple[Actions, ...] | None:
     lines = text.splitlines()
     if not lines or not lines[-1].startswith('; cost'):
         return None
-    return (tuple(_canonical(line) for line in lines if line.startswith('(')),)
+    return (tuple(canonical(line) for line in lines if line.startswith('(')),)
 
 
 def _many_plans(text: str) -> tuple[Actions, ...] | None:
     """Read plans as JSON."""
     try:
-        return tuple(tuple(map(_canonical, plan['actions'])) for plan in json.loads(text)['plans'])
+        return tuple(tuple(map(canonical, plan['actions'])) for plan in json.loads(text)['plans'])
     except (ValueError, LookupError, TypeError, AttributeError):
         return None
 
@@ -90,39 +90,32 @@ class Search:
     def __init__(self, program: Program, task: bytes, configuration: str, seconds: float) -> None:
         self._program = program
         self.since, self.seconds = time.monotonic(), seconds
-        with contextlib.ExitStack() as on_failure, contextlib.ExitStack() as in_the_end:
-
-            def closed(stack: contextlib.ExitStack, descriptor: int) -> int:
-                stack.callback(os.close, descriptor)
-                return descriptor
-
-            self._plan = closed(on_failure, os.memfd_create('plan'))
-            task_file = closed(in_the_end, os.memfd_create('task'))
-            ends = os.pipe()
-            self._end = closed(on_failure, ends[0])
-            their_end = closed(in_the_end, ends[1])
-            with open(task_file, 'wb', closefd=False) as stream:
-                stream.write(task)
-            os.lseek(task_file, 0, os.SEEK_SET)
-            plan_file = f'/proc/self/fd/{self._plan}'
-            self._process = subprocess.Popen(
-                [
-                    program.path,
-                    *('--search', configuration.replace(PLAN_FILE, plan_file)),
-                    *('--internal-plan-file', plan_file),
-                ],
-                stdin=task_file,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                env={},
-                pass_fds=[self._plan, their_end],
-            )
-            on_failure.pop_all()
+        with contextlib.ExitStack() as files, open(os.memfd_create('task'), 'w+b') as task_file:
+            self._plan = files.enter_context(open(os.memfd_create('plan'), 'rb'))
+            ours, theirs = os.pipe()
+            self._end = files.enter_context(open(ours, 'rb'))
+            with open(theirs, 'wb'):
+                task_file.write(task)
+                task_file.seek(0)
+                plan_file = f'/proc/self/fd/{self._plan.fileno()}'
+                self._process = subprocess.Popen(
+                    [
+                        program.path,
+                        *('--search', configuration.replace(PLAN_FILE, plan_file)),
+                        *('--internal-plan-file', plan_file),
+                    ],
+                    stdin=task_file,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                    env={},
+                    pass_fds=[self._plan.fileno(), theirs],
+                )
+            self._files = files.pop_all()
         limit_search(self._process.pid, seconds)
 
     def fileno(self) -> int:
         """Return a descriptor that becomes readable when the process ends."""
-        return self._end
+        return self._end.fileno()
 
     def used(self) -> float:
         """Return the seconds of processor time that it has taken."""
@@ -136,10 +129,9 @@ class Search:
         """Return what the ended search found."""
         seconds = self.used()
         code = self._process.wait()
-        with open(self._plan, 'rb', closefd=False) as stream:
-            stream.seek(0)
-            plans = self._program.plans(stream.read().decode(errors='replace'))
-        self._close()
+        self._plan.seek(0)
+        plans = self._program.plans(self._plan.read().decode(errors='replace'))
+        self._files.close()
         if code in _SOLVED and plans:
             return Outcome(Status.SOLVED, plans, seconds=seconds)
         if code in _UNSOLVABLE:
@@ -155,12 +147,7 @@ class Search:
         """End the search at once."""
         self._process.kill()
         self._process.wait()
-        self._close()
-
-    def _close(self) -> None:
-        for descriptor in (self._plan, self._end):
-            with contextlib.suppress(OSError):
-                os.close(descriptor)
+        self._files.close()
 
 
 def find_downward(named: str) -> str | None:
@@ -168,8 +155,9 @@ def find_downward(named: str) -> str | None:
 
     Raises PlanningError when the one named is no program, or lacks its translator.
     """
+    has_translator = importlib.util.find_spec('fast_downward') is not None
     if named:
-        if importlib.util.find_spec('fast_downward') is None:
+        if not has_translator:
             raise PlanningError(
                 "Fast Downward's translator is not installed, and the program named as "
                 'downward_binary is of no use without it',
@@ -181,26 +169,17 @@ def find_downward(named: str) -> str | None:
                 cure="Give the path of Fast Downward's search program, or leave it empty.",
             )
         return str(Path(named).resolve())
-    if importlib.util.find_spec('fast_downward') is None:
-        return None
-    package = importlib.util.find_spec('up_fast_downward')
-    folders: Sequence[str] = (package and package.submodule_search_locations) or ()
-    return _program_in(Path(folder, 'downward') for folder in folders)
+    return (has_translator and _built_in('up_fast_downward', 'downward')) or None
 
 
 def find_kstar() -> str:
     """Return the search program that kstar-planner brings, '' if there is none."""
-    package = importlib.util.find_spec('kstar_planner')
-    folders: Sequence[str] = (package and package.submodule_search_locations) or ()
-    return _program_in(Path(folder) for folder in folders) or ''
+    return _built_in('kstar_planner')
 
 
-def _program_in(folders: Iterable[Path]) -> str | None:
-    """Return the first program `downward` that was built in one of the folders."""
-    programs = (folder / 'builds' / 'release' / 'bin' / 'downward' for folder in folders)
-    return next((str(program) for program in programs if os.access(program, os.X_OK)), None)
-
-
-def _canonical(line: str) -> str:
-    """Return "(act )" as "(act)"."""
-    return f'({" ".join(line.strip("() ").split())})'
+def _built_in(package: str, *folder: str) -> str:
+    """Return the program `downward` that was built in a package's folder, '' if there is none."""
+    spec = importlib.util.find_spec(package)
+    places: Sequence[str] = (spec and spec.submodule_search_locations) or ()
+    programs = (Path(place, *folder, 'builds/release/bin/downward') for place in places)
+    return next((str(program) for program in programs if os.access(program, os.X_OK)), '')

@@ -108,17 +108,16 @@ class Searches:
             selector.register(other, selectors.EVENT_READ)
             try:
                 while time.monotonic() < self._end:
-                    for subjects in all_subjects:
-                        while subjects.ready:
-                            self._begin(_Job(subjects, subjects.ready.popleft(), self._timeout))
-                            self._fill(selector)
+                    waiting = [subjects for subjects in all_subjects if subjects.ready]
+                    if waiting:
+                        subjects = min(waiting, key=lambda each: self._place(each.ready[0]))
+                        self._begin(_Job(subjects, subjects.ready.popleft(), self._timeout))
                     self._fill(selector)
-                    if any(subjects.ready for subjects in all_subjects):
-                        continue
-                    if not self._running:
+                    if self._running:
+                        if self._wait(selector, other, 0.0 if waiting else math.inf) and heard():
+                            return False
+                    elif not any(subjects.ready for subjects in all_subjects):
                         return True
-                    if self._wait(selector, other) and heard():
-                        return False
             finally:
                 for search in self._running:
                     search.kill()
@@ -133,14 +132,18 @@ class Searches:
             self._queue_up(job)
 
     def _queue_up(self, job: _Job) -> None:
-        members = job.subject.members
-        rank = -1 if self._first in members else self._rank[members[0].goal]
         seconds = job.now.seconds if job.now else 0.0
         if job.scout and seconds > FIRST_TRY:
             self._scouting = False
         if self._scouting and job.now:
             seconds = -1.0
-        heapq.heappush(self._queue, (seconds, rank, next(self._numbers), job))
+        place = self._place(job.subject)
+        heapq.heappush(self._queue, (seconds, place, next(self._numbers), job))
+
+    def _place(self, subject: Subject) -> int:
+        """Return where a task comes among others: first the first belief's, then by goals."""
+        members = subject.members
+        return -1 if self._first in members else self._rank[members[0].goal]
 
     def _fill(self, selector: selectors.BaseSelector) -> None:
         while self._queue and len(self._running) < self._workers:
@@ -171,12 +174,12 @@ class Searches:
             self._running[search] = job
             selector.register(search, selectors.EVENT_READ)
 
-    def _wait(self, selector: selectors.BaseSelector, other: int) -> bool:
-        """Wait for something to happen; return whether it is in `other`."""
+    def _wait(self, selector: selectors.BaseSelector, other: int, most: float) -> bool:
+        """Wait for something to happen, so long at most; return whether it is in `other`."""
         began = time.monotonic()
         # A search cannot work for longer than it runs.
         spare = min(search.seconds - search.used() for search in self._running)
-        patience = min(max(spare, _LOOK), self._end - began)
+        patience = min(max(spare, _LOOK), self._end - began, most)
         ready = {key.fileobj for key, _ in selector.select(max(0.0, patience))}
         now = time.monotonic()
         self.searching += now - began
@@ -245,8 +248,7 @@ class Searches:
         """Report what was found, or what the failure leaves."""
         if job.scout and self._scouting:
             self._scouting, self._lesson = False, job.subject.lesson
-        job.subjects.settle(job.subject, finding)
-        result = job.subjects.result(job.subject, finding)
+        result = job.subjects.settle(job.subject, finding)
         if result is not None:
             lasting = not (job.subjects.provisional and result.cut)
             attempt = Attempt(result, lasting=lasting)

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans
@@ -26,20 +26,18 @@ class SearchInput:
     members: Sequence[str]
 
 
-class Subject(Protocol):
+@dataclass(eq=False, kw_only=True)
+class Subject:
     """One task, and the beliefs that are this task.
 
     `hopeless` says that a search is known to take too long; `lesson` is what suited it. `parents`
     are tasks like it that are planned for before.
     """
 
-    members: list[Belief]
-    hopeless: bool
-    lesson: Try | None
-
-    @property
-    def parents(self) -> Sequence['Subject']:
-        """The tasks like it that are planned for before."""
+    members: list[Belief] = field(default_factory=list)
+    parents: list[Any] = field(default_factory=list)
+    hopeless: bool = False
+    lesson: Try | None = None
 
 
 class Subjects(Protocol):
@@ -60,8 +58,5 @@ class Subjects(Protocol):
     def checked(self, subject: Any, plans: Sequence[Actions]) -> Finding | None:
         """Return what the plans that a search gives come to, None if they are wrong."""
 
-    def settle(self, subject: Any, finding: Finding | None) -> None:
-        """Take in all that will be known of a subject, None if that is nothing."""
-
-    def result(self, subject: Any, finding: Finding | None) -> BeliefPlans | None:
-        """Return the beliefs' result after `settle`, None if there is none yet."""
+    def settle(self, subject: Any, finding: Finding | None) -> BeliefPlans | None:
+        """Take in all that will be known of a subject; return what it says of the beliefs."""

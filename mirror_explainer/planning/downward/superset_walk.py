@@ -10,35 +10,36 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from mirror_explainer.planning.beliefs import Belief, BeliefPlans, Cut, Plan, Status
-from mirror_explainer.planning.downward.ground_task import Actions, Fact, State
+from mirror_explainer.planning.downward.ground_task import Actions, State
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
-from mirror_explainer.planning.downward.portfolio import Try
-from mirror_explainer.planning.downward.subject import Finding, SearchInput
+from mirror_explainer.planning.downward.subject import Finding, SearchInput, Subject
 from mirror_explainer.planning.downward.what_matters import GoalTask
 
 
 @dataclass(eq=False)
-class Node:
+class Node(Subject):
     """All asked beliefs that are one and the same task, and what is known of it.
 
     `facts` are the uncertain facts that hold and matter to the goal. `plan` is an optimal
     plan and `cost` what it costs, None while none is known. `hopeless` says that a search ran
-    out of time here, or where more facts hold; `first`, that it waits for no parent.
+    out of time here, or where more facts hold. The first belief's node waits for no parent.
     """
 
     goal: int
     facts: frozenset[str]
     state: State
-    members: list[Belief] = field(default_factory=list)
-    parents: list['Node'] = field(default_factory=list)
     children: list['Node'] = field(default_factory=list)
     open_parents: int = 0
     unsolvable: bool = False
     plan: Actions | None = None
     cost: int | None = None
-    hopeless: bool = False
-    lesson: Try | None = None
-    first: bool = False
+
+
+def released(node: Node) -> list[Node]:
+    """Return the nodes below a settled one that wait for no other parent."""
+    for child in node.children:
+        child.open_parents -= 1
+    return [child for child in node.children if child.open_parents == 0]
 
 
 class SupersetWalk:
@@ -63,8 +64,8 @@ class SupersetWalk:
         self._cut: Cut = cut
         self._scale = scale
         self.task = grounding.task
-        self.as_declared = grounding.as_declared
-        self._goals = grounding.goals
+        self.objects = grounding.objects
+        self.goals = grounding.goals
         self._helpful = frozenset(grounding.uncertain) - grounding.negative
         self._goal_tasks = {
             index: GoalTask(grounding.task, goal, gain=0)
@@ -72,27 +73,15 @@ class SupersetWalk:
             if (goal := grounding.goals[index]) is not None
         }
         certain = initial - frozenset(grounding.uncertain)
-        self._nodes = self._distinct(grounding, certain, beliefs)
-        for group in self._comparable(self._nodes):
+        self.nodes = self._distinct(grounding, certain, beliefs)
+        for group in self._comparable(self.nodes):
             for node in group.values():
                 node.parents = list(self._parents(node, group))
-                node.open_parents = len(node.parents)
+                node.open_parents = len(node.parents) if beliefs[0] not in node.members else 0
                 for parent in node.parents:
                     parent.children.append(node)
-        first = [node for node in self._nodes if beliefs and beliefs[0] in node.members]
-        for node in first:
-            node.first = True
-        self.ready = deque([*first, *(n for n in self._nodes if not n.parents and not n.first)])
-
-    def optimal(self) -> Iterator[tuple[Node, Actions]]:
-        """Yield the nodes with an optimal plan, those with more facts first."""
-        for node in self._nodes:
-            if node.plan is not None:
-                yield node, node.plan
-
-    def goal(self, node: Node) -> tuple[Fact, ...]:
-        """Return the facts of a node's goal."""
-        return self._goals[node.goal] or ()
+        ready = (node for node in self.nodes if not node.open_parents)
+        self.ready = deque(sorted(ready, key=lambda node: beliefs[0] not in node.members))
 
     def _comparable(self, nodes: Sequence[Node]) -> Iterator[dict[frozenset[str], Node]]:
         """Yield the nodes that differ in helpful facts only, by their facts."""
@@ -112,7 +101,7 @@ class SupersetWalk:
 
     def known(self, node: Node) -> Finding | None:
         """Return what can be said of a ready node without a search, None if nothing."""
-        goal = self._goals[node.goal]
+        goal = self.goals[node.goal]
         if goal is None or any(parent.unsolvable for parent in node.parents):
             return Finding(())
         if all(node.state[variable] == value for variable, value in goal):
@@ -139,8 +128,7 @@ class SupersetWalk:
         """Return a plan's cost, in the problem's metric."""
         return self.task.cost(plan) / self._scale
 
-    def result(self, node: Node, finding: Finding | None) -> BeliefPlans | None:
-        """Return what the finding says of the node's beliefs."""
+    def _result(self, finding: Finding | None) -> BeliefPlans | None:
         if finding is None:
             return None
         if not finding.plans:
@@ -148,20 +136,18 @@ class SupersetWalk:
         plans = tuple(Plan(plan, self.cost(plan)) for plan in finding.plans)
         return BeliefPlans(Status.SOLVED, plans, cut=self._cut if any(finding.plans) else '')
 
-    def settle(self, node: Node, finding: Finding | None) -> None:
+    def settle(self, node: Node, finding: Finding | None) -> BeliefPlans | None:
         """Take in all that will be known of a node; nodes below it may become ready."""
         if finding is not None:
             node.unsolvable = not finding.plans
             for plan in finding.plans:
                 node.plan, node.cost = plan, self.task.cost(plan)
-        for child in node.children:
-            child.open_parents -= 1
-            if not child.open_parents and not child.first:
-                self.ready.append(child)
+        self.ready.extend(released(node))
+        return self._result(finding)
 
     def works(self, node: Node, plan: Actions) -> bool:
         """Say whether a plan can be carried out, and then the node's goal holds."""
-        goal = self._goals[node.goal]
+        goal = self.goals[node.goal]
         return goal is not None and self.task.leads(plan, node.state, goal)
 
     def _distinct(

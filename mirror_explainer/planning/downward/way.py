@@ -70,8 +70,11 @@ class DownwardWay:
                 self.close()
                 self._worker = Worker(_PROGRAM)
             worker = self._worker
+            seconds = limits.end - time.monotonic()
+            asked = space, tuple(left), plans_per_belief
+            worker.send(Ask(*asked, *self._programs, self._resources, seconds))
             try:
-                return self._ask(worker, space, left, plans_per_belief, limits, record)
+                return self._hear(worker, left, limits, record)
             except EOFError:
                 words = worker.last_words()
                 _log.debug('the planning worker died: %s', words)
@@ -85,19 +88,13 @@ class DownwardWay:
             cure='See whether the machine ran out of memory (dmesg); if not, please report it.',
         )
 
-    def _ask(
+    def _hear(
         self,
         worker: Worker,
-        space: BeliefSpace,
         left: dict[Belief, None],
-        plans_per_belief: int,
         limits: Limits,
         record: Callable[[Belief, Attempt], None],
     ) -> Done | Unfitting:
-        asked = space, tuple(left), plans_per_belief
-        seconds = limits.end - time.monotonic()
-        worker.send(Ask(*asked, *self._programs, self._resources, seconds))
-
         def take_in(found: _Found) -> None:
             for belief, attempt in found:
                 left.pop(belief, None)

@@ -12,7 +12,7 @@ from functools import cached_property
 from mirror_explainer.planning.downward.dispensable import indispensable
 from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
 from mirror_explainer.planning.downward.portfolio import plain
-from mirror_explainer.planning.downward.search_task import Numbering
+from mirror_explainer.planning.downward.search_task import SearchTask
 
 
 class GoalTask:
@@ -46,7 +46,7 @@ class GoalTask:
 
     def text(self, state: State) -> bytes:
         """Return the input of a search from a state."""
-        return self._numbering.task.text(self._numbering.state(state))
+        return self._search_task.text(state)
 
     @cached_property
     def searches(self) -> tuple[str, ...]:
@@ -54,8 +54,8 @@ class GoalTask:
         return plain(self.operators)
 
     @cached_property
-    def _numbering(self) -> Numbering:
-        return Numbering(self._task.sizes, self.operators, self.goal, self.variables)
+    def _search_task(self) -> SearchTask:
+        return SearchTask(self._task.sizes, self.operators, self.goal, self.variables)
 
 
 def helpful(operators: Sequence[Operator], goal: Iterable[Fact]) -> list[Operator]:

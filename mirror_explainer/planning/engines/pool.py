@@ -7,7 +7,7 @@ Slow, and the referee of the fast way. The engines run in worker processes
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing.connection import wait
 from pathlib import Path
 
@@ -151,6 +151,4 @@ class _Work:
     record: Callable[[Belief, Attempt], None]
     calls: int = 0
     searching: float = 0.0
-
-    def __post_init__(self) -> None:
-        self.failures: dict[Belief | None, int] = {}
+    failures: dict[Belief | None, int] = field(default_factory=dict)

@@ -68,11 +68,6 @@ class Worker:
             )
 
     @property
-    def pid(self) -> int:
-        """The process id, which is also the id of the worker's process group."""
-        return self._process.pid
-
-    @property
     def alive(self) -> bool:
         """Whether the process still runs."""
         # A look that does not reap it: see `kill`.

@@ -6,9 +6,8 @@ the grounding then serves again.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
-from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
+from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, State
 
 
 @dataclass(frozen=True)
@@ -43,37 +42,9 @@ class Grounding:
     def _value(self, variable: int, atoms: frozenset[str]) -> int | None:
         names = self.variables[variable]
         true = [value for value, name in enumerate(names) if name in atoms]
-        if len(true) == 1:
-            return true[0]
-        return None if true else self._none_value[variable]
-
-    @cached_property
-    def _none_value(self) -> list[int | None]:
-        """For each variable, its value when none of its atoms holds."""
-        values: list[int | None] = []
-        for names in self.variables:
-            none = [value for value, name in enumerate(names) if not name.startswith('Atom ')]
-            values.append(none[0] if none else None)
-        return values
-
-    @cached_property
-    def _changeable(self) -> frozenset[str]:
-        return frozenset(name for names in self.variables for name in names)
-
-    def as_declared(self, operators: Iterable[Operator]) -> list[Operator]:
-        """Return the operators by their actions, and these by how their objects are declared.
-
-        The translator sorts them by name, but what an object is called means nothing.
-        """
-        return sorted(operators, key=self._place)
-
-    def _place(self, operator: Operator) -> tuple[str, list[int]]:
-        action, *objects = operator.name[1:-1].split()
-        return action, [self._number[item] for item in objects]
-
-    @cached_property
-    def _number(self) -> dict[str, int]:
-        return {item: number for number, item in enumerate(self.objects)}
+        # If none of its atoms holds, a variable has the value that is no atom, if there is one.
+        values = true or [v for v, name in enumerate(names) if not name.startswith('Atom ')]
+        return values[0] if len(values) == 1 else None
 
     def atoms(self, variables: Iterable[int]) -> frozenset[str]:
         """Return the atoms that variables of the task stand for."""
@@ -87,7 +58,8 @@ class Grounding:
         """
         full = initial | frozenset(self.uncertain)
         return (
-            (initial ^ self.initial) - frozenset(self.uncertain) <= self._changeable
+            (initial ^ self.initial) - frozenset(self.uncertain)
+            <= frozenset().union(*self.variables)
             and all(len(group & full) <= 1 for group in self.mutexes)
             and all(self._value(v, full) is not None for v in range(len(self.variables)))
         )

@@ -7,14 +7,14 @@ from collections.abc import Iterable, Sequence
 
 from fast_downward.translate.sas_tasks import SASOperator, SASTask
 
-from mirror_explainer.planning.downward.ground_task import Fact
+from mirror_explainer.planning.downward.ground_task import Fact, canonical
 
 
 def reaches_goal(task: SASTask, actions: Sequence[str]) -> bool:
     """Say whether the actions, named "(move a b)", can be done in order and reach the goal."""
     operators: dict[str, list[SASOperator]] = {}
     for operator in task.operators:
-        operators.setdefault(canonical_name(operator), []).append(operator)
+        operators.setdefault(canonical(operator.name), []).append(operator)
     values = list(task.init.values)
     _derive(task, values)
     for name in actions:
@@ -32,11 +32,6 @@ def reaches_goal(task: SASTask, actions: Sequence[str]) -> bool:
         else:
             return False
     return _hold(values, task.goal.pairs)
-
-
-def canonical_name(operator: SASOperator) -> str:
-    """Return the name of an operator without the space before a closing parenthesis."""
-    return f'({operator.name[1:-1].strip()})'
 
 
 def _derive(task: SASTask, values: list[int]) -> None:

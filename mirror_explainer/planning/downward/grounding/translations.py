@@ -9,18 +9,13 @@ from mirror_explainer.planning.downward.ground_task import Actions
 from mirror_explainer.planning.downward.grounding import translator
 from mirror_explainer.planning.downward.grounding.pddl_lists import Lists
 from mirror_explainer.planning.downward.grounding.replay import reaches_goal
-from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN, Try
-from mirror_explainer.planning.downward.subject import Finding, SearchInput
+from mirror_explainer.planning.downward.subject import Finding, SearchInput, Subject
 
 
 @dataclass(eq=False)
-class Single:
+class Single(Subject):
     """One belief, and its translation once there is one."""
 
-    members: list[Belief]
-    hopeless: bool = False
-    lesson: Try | None = None
-    parents: tuple['Single', ...] = ()
     translation: translator.Translation | None = None
 
 
@@ -32,7 +27,7 @@ class Translations:
     def __init__(self, lists: Lists, space: BeliefSpace, beliefs: Sequence[Belief]) -> None:
         self._lists = lists
         self._facts = space.uncertain_facts
-        self.ready = deque(Single([belief]) for belief in beliefs)
+        self.ready = deque(Single(members=[belief]) for belief in beliefs)
 
     def known(self, single: Single) -> Finding | None:
         """Return None: nothing is known without a search."""
@@ -41,8 +36,7 @@ class Translations:
         """Translate the belief."""
         translation = translator.translate(self._lists, single.members[0], self._facts)
         single.translation = translation
-        fit = AXIOMS if translation.axioms else CONDITIONAL if translation.conditional else PLAIN
-        return SearchInput(translation.text, fit)
+        return SearchInput(translation.text, translation.searches)
 
     def checked(self, single: Single, plans: Sequence[Actions]) -> Finding | None:
         """Return the plans without their last actions, which stand for the goal."""
@@ -50,8 +44,8 @@ class Translations:
         works = all(reaches_goal(single.translation.task, plan) for plan in plans)
         return Finding(tuple(plan[:-1] for plan in plans)) if works else None
 
-    def result(self, single: Single, finding: Finding | None) -> BeliefPlans | None:
-        """Return what the finding says of the belief."""
+    def settle(self, single: Single, finding: Finding | None) -> BeliefPlans | None:
+        """Return what the finding says of the belief; no other depends on it."""
         if finding is None:
             return None
         if not finding.plans:
@@ -65,6 +59,3 @@ class Translations:
                 for plan in finding.plans
             ),
         )
-
-    def settle(self, single: Single, finding: Finding | None) -> None:
-        """Take note of nothing: no belief depends on another."""

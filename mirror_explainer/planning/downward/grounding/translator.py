@@ -11,6 +11,7 @@ import contextlib
 import io
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from fast_downward.translate import (
@@ -28,7 +29,12 @@ from fast_downward.translate.pddl_parser import lisp_parser, parsing_functions
 from fast_downward.translate.pddl_parser.parse_error import ParseError
 
 from mirror_explainer.planning.beliefs import Belief, BeliefSpace
-from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator
+from mirror_explainer.planning.downward.ground_task import (
+    Fact,
+    GroundTask,
+    Operator,
+    canonical,
+)
 from mirror_explainer.planning.downward.grounding.ground_once import Grounding, atom_name
 from mirror_explainer.planning.downward.grounding.pddl_lists import (
     FACT_ACTION,
@@ -39,20 +45,23 @@ from mirror_explainer.planning.downward.grounding.pddl_lists import (
     edited_problem,
     read_lists,
 )
-from mirror_explainer.planning.downward.grounding.replay import canonical_name
+from mirror_explainer.planning.downward.portfolio import AXIOMS, CONDITIONAL, PLAIN
 
 _INVARIANT_SECONDS = 30
 
 
 @dataclass(frozen=True)
 class Translation:
-    """One belief's task, translated by itself: the search's input, the costs, what it has."""
+    """One belief's task, translated by itself: the search's input, and which searches to try."""
 
     task: sas_tasks.SASTask
     text: bytes
-    costs: dict[str, int]
-    axioms: bool
-    conditional: bool
+    searches: tuple[str, ...]
+
+    @cached_property
+    def costs(self) -> dict[str, int]:
+        """What each action costs."""
+        return {canonical(operator.name): operator.cost for operator in self.task.operators}
 
 
 @contextlib.contextmanager
@@ -102,7 +111,7 @@ def ground(lists: Lists) -> Grounding | str:
         return 'conditional effects'
     task.actions = [a for a in task.actions if not a.name.startswith(FACT_ACTION)]
     sas, groups = _encode(task, atoms, actions, parameters)
-    if _conditional([o for o in sas.operators if not _is_switch(canonical_name(o))]):
+    if _conditional([o for o in sas.operators if not _is_switch(o.name)]):
         # Only variables of two values express every deletion without a condition.
         options.options.invariant_generation_max_candidates = 0
         sas, groups = _encode(task, atoms, actions, parameters)
@@ -130,13 +139,8 @@ def translate(lists: Lists, belief: Belief, facts: Sequence[str]) -> Translation
     sas = main.pddl_to_sas(task)
     text = io.StringIO()
     sas.output(text)
-    return Translation(
-        sas,
-        text.getvalue().encode(),
-        {canonical_name(operator): operator.cost for operator in sas.operators},
-        bool(sas.axioms),
-        _conditional(sas.operators),
-    )
+    fit = AXIOMS if sas.axioms else CONDITIONAL if _conditional(sas.operators) else PLAIN
+    return Translation(sas, text.getvalue().encode(), fit)
 
 
 def _parsed(domain: list[Any], problem: list[Any]) -> pddl.Task:
@@ -198,13 +202,13 @@ def _grounding(
     negative = frozenset(
         str(literal.negate()) for a in actions for literal in a.precondition if literal.negated
     )
-    sas.operators = [o for o in sas.operators if not _is_switch(canonical_name(o))]
+    sas.operators = [o for o in sas.operators if not _is_switch(o.name)]
     variables = tuple(tuple(names) for names in sas.variables.value_names)
     variable_order.find_and_apply_variable_order(sas)
     numbers = {names: number for number, names in enumerate(variables)}
     kept = tuple(numbers[tuple(names)] for names in sas.variables.value_names)
     goals, hard_goals = _goals(sas, len(lists.goals))
-    sas.operators = [o for o in sas.operators if not _is_goal(canonical_name(o))]
+    sas.operators = [o for o in sas.operators if not _is_goal(o.name)]
     return replace(
         _without_any_plan(lists, apart | hard_goals),
         goals=goals,
@@ -251,8 +255,8 @@ def _goals(
     goals: list[tuple[Fact, ...] | None] = [None] * count
     hard_goals = set()
     for operator in sas.operators:
-        if _is_goal(canonical_name(operator)):
-            index = int(canonical_name(operator)[len(GOAL_ACTION) + 1 : -1])
+        if _is_goal(operator.name):
+            index = int(operator.name[len(GOAL_ACTION) + 1 : -1])
             if goals[index] is not None:
                 hard_goals.add(index)
             goals[index] = tuple(operator.get_applicability_conditions())
@@ -262,7 +266,7 @@ def _goals(
 def _ground_task(sas: sas_tasks.SASTask) -> GroundTask:
     operators = (
         Operator(
-            canonical_name(operator),
+            canonical(operator.name),
             tuple(operator.get_applicability_conditions()),
             tuple(dict.fromkeys((variable, post) for variable, _, post, _ in operator.pre_post)),
             operator.cost,
