@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Sequence
 from types import SimpleNamespace
 
 import pytest
@@ -176,8 +177,8 @@ def test_tasks_are_told_in_their_tenses(robot):
 
 
 def test_tasks_in_the_place_of_some_are_another_plan_and_other_tasks_a_new_one(robot):
-    def begun(*tasks: str) -> str:
-        robot.tasks.tell([(task, 'ahead') for task in tasks])
+    def begun(*tasks: str, ends: Sequence[str] = ()) -> str:
+        robot.tasks.tell([(task, 'ahead') for task in tasks], ends)
         return robot.answer().split('\n')[0]
 
     assert begun(*TEA) == 'I will boil water and bring the tea.'
@@ -188,6 +189,10 @@ def test_tasks_in_the_place_of_some_are_another_plan_and_other_tasks_a_new_one(r
     assert robot.answer().endswith('I am done.')
     # That part is to be done once more, and not: the task before is over.
     assert begun('Collect the cups', 'Fill the can') == 'I have a new task.'
+    # A small task that both have makes another plan of it, unless it is no end.
+    assert begun('Water the plants', 'Fill the can') == 'I have changed my plan.'
+    begun('Wipe the table', 'Fill the can', ends=['Wipe the table'])
+    assert begun(*TEA, 'Fill the can', ends=[TEA[2]]) == 'I have a new task.'
 
 
 def test_a_round_after_one_that_was_heard_of_in_its_middle_is_told_from_its_beginning(robot):
