@@ -14,10 +14,9 @@ import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.commands.drafting.document import document
 from mirror_explainer.commands.drafting.facts import doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
-from mirror_explainer.commands.drafting.naming import Naming
 from mirror_explainer.commands.drafting.patterns import World
 from mirror_explainer.commands.drafting.reach import within_reach
-from mirror_explainer.commands.drafting.words import drafted_words
+from mirror_explainer.commands.drafting.words import drafted_names, drafted_words
 from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
 from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
@@ -76,11 +75,13 @@ def _draft(options: argparse.Namespace) -> tuple[str, str]:
         found = within_reach(world, found, planner, settings.deadline / 6)
         goals = [own, *_examples(world, found, own, seen)]
         facts = doubts(world, goals, plan.plan.actions, planner, settings.deadline / 3)
+        words = drafted_words(task, plan.plan.actions)
         text = document(
             found,
             facts,
             task.initial_facts,
-            Naming(task, drafted_words(task, plan.plan.actions), plan.plan.actions),
+            words,
+            drafted_names(task, words, plan.plan.actions),
             usual_rationality(plan.plan),
         )
         answers = _answers(task, plan, text, planner, settings)

@@ -1,5 +1,6 @@
 """What an answer does to its listener, in a few plain sentences."""
 
+from functools import partial
 from textwrap import shorten
 
 from mirror_explainer.listener.explanation import Explanation
@@ -17,11 +18,12 @@ def in_words(explanation: Explanation) -> str:
 
 
 def _taken_for(explanation: Explanation) -> str:
-    true = _named(explanation.true_goal)
+    named = partial(_named, explanation)
+    true = named(explanation.true_goal)
     before, after = explanation.understanding_before, explanation.understanding
     likeliest = max(explanation.goals[:-1], key=lambda goal: goal['posterior'])
     others = (goal for goal in explanation.goals[:-1] if goal['name'] != explanation.true_goal)
-    alike = [_named(goal['name']) for goal in others if goal['posterior'] > 0.99 * after]
+    alike = [named(goal['name']) for goal in others if goal['posterior'] > 0.99 * after]
     if alike and likeliest['posterior'] <= 1.01 * after:
         also = alike[0] if len(alike) == 1 else f'{len(alike)} others'
         return (
@@ -34,14 +36,15 @@ def _taken_for(explanation: Explanation) -> str:
             f'({before:.0%} before).'
         )
     return (
-        f"The listener would now take the robot's goal to be {_named(likeliest['name'])} "
+        f"The listener would now take the robot's goal to be {named(likeliest['name'])} "
         f'({likeliest["posterior"]:.0%}). The true one, {true}, is {after:.0%} likely to them '
         f'({before:.0%} before).'
     )
 
 
-def _named(goal: str) -> str:
-    return f'"{shorten(goal, _LONGEST_NAME, placeholder=" …")}"'
+def _named(explanation: Explanation, goal: str) -> str:
+    """Return what a goal is called, shortened, in quotation marks."""
+    return f'"{shorten(explanation.called(goal), _LONGEST_NAME, placeholder=" …")}"'
 
 
 def _left_open(explanation: Explanation) -> list[str]:
@@ -57,7 +60,7 @@ def _left_open(explanation: Explanation) -> list[str]:
     larger.sort(key=lambda goal: -goal['posterior'])
     if larger:
         most = larger[:_MOST_NAMES]
-        named = ', '.join(f'{_named(g["name"])} ({g["posterior"]:.0%})' for g in most)
+        named = ', '.join(f'{_named(explanation, g["name"])} ({g["posterior"]:.0%})' for g in most)
         told.append(f'To the listener it may do more: {named}.')
     partial = explanation.goals[-1]['posterior']
     if partial >= _WORTH_TELLING:

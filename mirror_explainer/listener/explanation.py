@@ -175,6 +175,16 @@ class Explanation:
         """The name of G_R."""
         return self.model.robot_goal.name
 
+    def called(self, goal: str) -> str:
+        """Return what a goal of this name is called: one without a name by what is to be done."""
+        named = next(
+            (index for index, each in enumerate(self.model.goals) if each.name == goal), None
+        )
+        if named is None or self.model.goals[named].goal != goal:
+            return goal
+        parts = map(str, self.preparation.prior.parts[named])
+        return self.preparation.goal_names.of([*parts]) or goal
+
     @property
     def unmentioned(self) -> list[str]:
         """The parts of the robot's goal that no said sentence achieves, as PDDL."""
@@ -329,9 +339,9 @@ class Explanation:
                 f'Explanation of {self.n} of {len(self.model.sentences)} steps:',
                 *(f'  {line}' for line in self.spoken.split('\n')),
                 f'  understood: {self.understanding_before:.0%} before, {self.understanding:.0%} '
-                f'after ("{self.true_goal}")',
+                f'after ("{self.called(self.true_goal)}")',
             ]
         )
 
     def _repr_html_(self) -> str:
-        return as_html(self.spoken, self.goals)
+        return as_html(self.spoken, self.goals, self.called)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.listener.ends import aims
+from mirror_explainer.listener.goal_names import GoalNames, goal_names
 from mirror_explainer.listener.listeners import Listener
 from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.listener.prior import Prior, belief_prior
@@ -52,15 +53,17 @@ class RobotPlan:
 class Preparation:
     """All that is needed to answer at once.
 
-    `results` are what planning found so far. `inputs` tells whoever made it which inputs it
-    was made from. For `failed_beliefs` the planner failed, and trying again may bring more.
-    `situation` says how far the robot is with its plan. `unsure` says, if planning leaves
-    something of the domain out, why a belief without a plan may have one all the same.
+    `goal_names` are for goals that have none. `results` are what planning found so far.
+    `inputs` tells whoever made it which inputs it was made from. For `failed_beliefs` the
+    planner failed, and trying again may bring more. `situation` says how far the robot is with
+    its plan. `unsure` says, if planning leaves something of the domain out, why a belief without
+    a plan may have one all the same.
     """
 
     prior: Prior
     way: Way
     sentences: Sentences
+    goal_names: GoalNames = field(repr=False)
     rationality: float
     listener: Listener
     settings: PlanningSettings
@@ -158,6 +161,7 @@ def prepare(
         prior,
         way_of(task, robot_plan, prior, sentences),
         sentences,
+        goal_names(task, sentences, robot_plan.plan.actions),
         user_model.rationality,
         user_model.listener,
         settings,

@@ -95,6 +95,22 @@ class Sentences:
         names = [c[verb] for wording, c in wordings if (verb := verb_parameter(wording.future))]
         return [name for name in names if not begins_with_verb(as_verb_phrase(name))]
 
+    def usual(self, name: str) -> str:
+        """Return how an action of this name is said while ahead, with parameters in braces."""
+        if name in self.templates:
+            return self.templates[name].wording.future
+        if name in self.defaults:
+            return self.defaults[name].sentence
+        places = (f'{{{parameter}}}' for parameter in self.parameters.get(name, ()))
+        return f'I will {" ".join([plain_name(name), *places])}.'
+
+    def called_in(self, name: str, item: str) -> str:
+        """Return what an object is called in the sentence of an action of this name."""
+        if name in self.defaults and name not in self.templates and item not in self.objects:
+            return self.names[item].called()
+        called = self._plainly(item)
+        return as_verb_phrase(called) if verb_parameter(self.usual(name)) else called
+
     def worded(self, action: str, status: StepStatus) -> Said:
         """Return how a ground action is said."""
         wording, called = self._wording(action)

@@ -6,8 +6,8 @@ import yaml
 
 from mirror_explainer.commands.drafting.facts import Doubts
 from mirror_explainer.commands.drafting.goals import Candidate
-from mirror_explainer.commands.drafting.naming import Naming
 from mirror_explainer.commands.drafting.words import Words
+from mirror_explainer.listener.goal_names import GoalNames
 from mirror_explainer.listener.phrases import Phrases
 
 
@@ -15,20 +15,21 @@ def document(
     candidates: Sequence[Candidate],
     doubts: Doubts,
     true: frozenset[str],
-    naming: Naming,
+    words: Words,
+    names: GoalNames,
     rationality: float,
 ) -> str:
     """Return the text of the user model. `true` are the facts that hold."""
     sections = [
-        _goals(candidates, naming),
+        _goals(candidates, names),
         _facts(doubts, true),
         _rationality(rationality),
-        _words(naming.words),
+        _words(words),
     ]
     return '\n'.join(sections)
 
 
-def _goals(candidates: Sequence[Candidate], naming: Naming) -> str:
+def _goals(candidates: Sequence[Candidate], names: GoalNames) -> str:
     lines = [
         '# What the robot might be doing, by how often it does it. "for" has a type for each',
         '# {variable}. Check: are these its tasks, and do "for" and "where" leave any out? Beside',
@@ -37,7 +38,7 @@ def _goals(candidates: Sequence[Candidate], naming: Naming) -> str:
     ]
     last = ''
     for candidate in candidates:
-        name = naming.of(candidate.pattern)
+        name = names.of(candidate.pattern.parts)
         entry: dict[str, object] = {'name': name} if name else {}
         entry['goal'] = candidate.pattern.goal
         if candidate.pattern.types:

@@ -4,9 +4,10 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from mirror_explainer.listener.goal_names import GoalNames
 from mirror_explainer.listener.sentences import DONE_TYPE, doings, sentences_for
 from mirror_explainer.listener.user_model import UserModel
-from mirror_explainer.listener.wording import Template, Wording
+from mirror_explainer.listener.wording import Template, Wording, plain_name
 from mirror_explainer.pddl import Task, words_of
 
 # With more objects than this only those of the robot's plan are named.
@@ -52,3 +53,12 @@ def drafted_words(task: Task, plan: Sequence[str]) -> Words:
         {name: text for name, text in sentences.items() if name in unsure},
         {name: _NUMBERED.sub(r'\1 \2', called) for name, called in objects.items()},
     )
+
+
+def drafted_names(task: Task, words: Words, plan: Sequence[str]) -> GoalNames:
+    """Return the names of drafted goals; none has one where two objects are called the same."""
+    items = [item.name.lower() for item in task.model.all_objects]
+    called = {item: words.objects.get(item, plain_name(item)) for item in items}
+    are_distinct = len({*called.values()}) == len(items)
+    sentences = {**words.unsure, **words.sentences} if are_distinct else {}
+    return GoalNames(task, sentences, lambda _, item: called.get(item, item), plan)

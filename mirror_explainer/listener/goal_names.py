@@ -1,0 +1,109 @@
+"""What goals without a name are called: what the robot will do that brings their parts about."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import unified_planning.model as up
+
+from mirror_explainer.listener.sentences import Sentences
+from mirror_explainer.listener.verb_phrase import PREPOSITIONS
+from mirror_explainer.listener.wording import parts
+from mirror_explainer.pddl import Task, words_of
+from mirror_explainer.pddl.atoms import effects_in
+
+_LITERAL = re.compile(r'(\(not )?(\([^()]+\))\)?')
+_SENTENCE = re.compile(r'I will (.+)\.')
+
+
+@dataclass(frozen=True)
+class GoalNames:
+    """Names goals by the sentences of actions; those of the robot's plan are asked first.
+
+    `called` returns what is said for an object in the sentence of an action.
+    """
+
+    task: Task
+    sentences: Mapping[str, str]
+    called: Callable[[str, str], str]
+    plan: Sequence[str]
+
+    def of(self, goal: Sequence[str]) -> str:
+        """Return a name for a goal's parts, as PDDL: "feed the horse and rinse the pan".
+
+        Variables in braces stay. '' where a part cannot be said so that each object is named
+        but those that are the only ones of their types.
+        """
+        phrases = [self._phrase(part) for part in goal]
+        if not all(phrases):
+            return ''
+        *first, last = phrases
+        return f'{", ".join(first)} and {last}' if first else last
+
+    @cached_property
+    def _meant(self) -> dict[str, tuple[str, bool]]:
+        """What each form of a phrase stands for: the first literal that is named so."""
+        return {}
+
+    def _phrase(self, part: str) -> str:
+        """Return what brings a part about, '' if no sentence says just that."""
+        literal = _LITERAL.fullmatch(part)
+        if not literal:
+            return ''
+        predicate, *objects = words_of(literal[2])
+        kind = (predicate, not literal[1])
+        for action, phrase, arguments in self._phrases(*kind):
+            given = dict(zip(arguments, objects, strict=True))
+            form = re.sub(r'\{.*?\}', '{}', phrase)
+            is_own = self._meant.setdefault(form, kind) == kind
+            named = {name for _, name in parts(phrase) if name}
+            unnamed = {given[name] for name in given.keys() - named}
+            is_whole = named <= given.keys() and len(given) == len(objects)
+            if is_own and is_whole and unnamed <= self._alone:
+                said = {name: self.called(action, given[name]) for name in named}
+                return ''.join(text + said.get(name, '') for text, name in parts(phrase))
+        return ''
+
+    @cached_property
+    def _alone(self) -> frozenset[str]:
+        """The objects that are the only ones of their types: nobody asks which is meant."""
+        model = self.task.model
+        kinds = (tuple(model.objects(kind)) for kind in model.user_types)
+        return frozenset(items[0].name.lower() for items in kinds if len(items) == 1)
+
+    def _phrases(self, predicate: str, value: bool) -> Iterator[tuple[str, str, list[str]]]:
+        """Yield actions that make this so, with their phrases, and the predicate's parameters.
+
+        What a phrase says of other objects is left out, such as where a thing is sent.
+        """
+        for action in self._actions:
+            name = action.name.lower()
+            told = _SENTENCE.fullmatch(self.sentences.get(name, ''))
+            for effect in effects_in(action):
+                is_so = effect.value.is_true() if value else effect.value.is_false()
+                if told and is_so and effect.fluent.fluent().name.lower() == predicate:
+                    arguments = [str(argument).lower() for argument in effect.fluent.args]
+                    yield name, _without_others(told[1], arguments), arguments
+
+    @cached_property
+    def _actions(self) -> list[up.Action]:
+        steps = {words_of(step)[0] for step in self.plan}
+        return sorted(self.task.model.actions, key=lambda a: a.name.lower() not in steps)
+
+
+def goal_names(task: Task, sentences: Sentences, plan: Sequence[str]) -> GoalNames:
+    """Return the names that goals have in the words of an answer."""
+    usual = {
+        action.name.lower(): sentences.usual(action.name.lower()) for action in task.model.actions
+    }
+    return GoalNames(task, usual, sentences.called_in, plan)
+
+
+def _without_others(phrase: str, arguments: Sequence[str]) -> str:
+    """Return a phrase without "from {p}" and the like where {p} is none of these parameters."""
+    for _, name in parts(phrase):
+        if name and name not in arguments:
+            others = '|'.join(sorted(PREPOSITIONS))
+            phrase = re.sub(rf' (?:{others}) \{{{re.escape(name)}\}}', '', phrase)
+    return phrase

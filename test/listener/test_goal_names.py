@@ -1,0 +1,60 @@
+"""What goals are called that the user model does not name."""
+
+import pytest
+
+from mirror_explainer.listener.goal_names import goal_names
+from mirror_explainer.listener.sentences import sentences_for
+from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.wording import Template, Wording
+from mirror_explainer.pddl import read_task
+
+DOMAIN = """
+(define (domain office)
+  (:types robot room cup)
+  (:predicates (in ?r - robot ?a - room) (clean ?c - cup) (holds ?r - robot ?c - cup)
+               (brought ?c - cup ?a - room) (night))
+  (:action go :parameters (?r - robot ?a ?b - room) :precondition (in ?r ?a)
+    :effect (and (not (in ?r ?a)) (in ?r ?b)))
+  (:action wash :parameters (?r - robot ?c - cup) :effect (and (clean ?c) (not (holds ?r ?c))))
+  (:action bring :parameters (?r - robot ?c - cup ?a - room) :effect (brought ?c ?a)))
+"""
+OWN = {
+    'go': Template(Wording('I will visit the {b}.')),
+    'bring': Template(Wording('Ich bringe {c}.')),
+}
+
+
+@pytest.mark.parametrize(
+    ('goal', 'name', 'in_own_words'),
+    [
+        (['(clean red_cup)'], 'wash the red cup', 'wash the red cup'),
+        (
+            ['(brought red_cup lab)', '(in robby hall)', '(clean red_cup)'],
+            'bring the red cup to the lab, go to the hall and wash the red cup',
+            '',
+        ),
+        (['(in robby hall)'], 'go to the hall', 'visit the hall'),
+        # What is washed is in no hand any more, too: that is not what one would think of.
+        (['(clean red_cup)', '(not (holds robby red_cup))'], '', ''),
+        (['(night)'], '', ''),
+        (['(or (in robby hall) (in robby lab))'], '', ''),
+    ],
+)
+def test_goals_are_called_what_brings_them_about(
+    goal: list[str], name: str, in_own_words: str
+) -> None:
+    assert [called(goal), called(goal, OWN)] == [name, in_own_words]
+
+
+def test_of_two_robots_it_must_be_said_which_is_meant() -> None:
+    assert called(['(in robby hall)'], OWN, robots='robby tobby') == ''
+
+
+def called(
+    goal: list[str], templates: dict[str, Template] | None = None, robots: str = 'robby'
+) -> str:
+    objects = f'{robots} - robot hall lab - room red_cup blue_cup - cup'
+    problem = f'(define (problem p) (:domain office) (:objects {objects}) (:init) (:goal (night)))'
+    task = read_task(DOMAIN, problem)
+    sentences = sentences_for(task, UserModel((), templates=templates or {}))
+    return goal_names(task, sentences, ()).of(goal)
