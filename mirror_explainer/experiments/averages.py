@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import permutation_test  # type: ignore[import-untyped]
 
 PERCENTS = tuple(range(10, 101, 10))
 CONFIDENCE = 0.95
@@ -56,6 +55,9 @@ def paired_p(
     differences, _ = _of_clusters(np.asarray(smaller, float) - np.asarray(larger, float), clusters)
     if len(differences) < 2:
         return float('nan')
+    # Importing it takes a second, and nobody but this needs it.
+    from scipy.stats import permutation_test  # type: ignore[import-untyped]
+
     result = permutation_test(
         (differences, np.zeros_like(differences)),
         lambda x, y, axis: np.mean(x - y, axis=axis),

@@ -45,10 +45,10 @@ def serve(address: Address, more: Mapping[str, str] = MappingProxyType({})) -> N
     from django.core.wsgi import get_wsgi_application
     from waitress import create_server
 
-    with _listening(address) as listening:
+    with listening(address) as bound:
         server = create_server(
             get_wsgi_application(),
-            sockets=[listening],
+            sockets=[bound],
             threads=_THREADS,
             connection_limit=_CONNECTIONS,
             channel_timeout=_IDLE,
@@ -60,7 +60,7 @@ def serve(address: Address, more: Mapping[str, str] = MappingProxyType({})) -> N
         try:
             for told in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(told, _end)
-            port = listening.getsockname()[1]
+            port = bound.getsockname()[1]
             for what, page in more.items():
                 print(f'{what}: {address.url(port, page)}', flush=True)
             print(f'Open {address.url(port)}', flush=True)
@@ -74,7 +74,11 @@ def serve(address: Address, more: Mapping[str, str] = MappingProxyType({})) -> N
             server.close()
 
 
-def _listening(address: Address) -> socket.socket:
+def listening(address: Address) -> socket.socket:
+    """Return a socket that listens at the address.
+
+    Raises InputError, with the cure, or OSError where nothing can.
+    """
     [(family, _, _, _, where), *_] = socket.getaddrinfo(
         address.host, address.port, type=socket.SOCK_STREAM
     )

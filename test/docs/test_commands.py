@@ -7,6 +7,7 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -78,12 +79,16 @@ def require_parameters(program: str, words: list[str]) -> None:
 
 def require_options(module: str, words: list[str]) -> None:
     """Require that a command knows the options that are given to it."""
-    usage = subprocess.run(
-        [sys.executable, '-m', module, '--help'], capture_output=True, text=True, cwd=ROOT
-    ).stdout
     for word in words:
         if word.startswith('--'):
-            assert word.split('=')[0] in usage
+            assert word.split('=')[0] in usage(module)
+
+
+@cache
+def usage(module: str) -> str:
+    """Return what a command says of its options."""
+    command = [sys.executable, '-m', module, '--help']
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT).stdout
 
 
 @pytest.mark.parametrize('name', RUN)

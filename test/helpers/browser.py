@@ -125,6 +125,13 @@ def violations(page) -> list[str]:
     ]
 
 
+def resized(page) -> Iterator[tuple[str, int]]:
+    """Yield each screen's name and height in turn, as the size that the page has meanwhile."""
+    for screen, (width, height) in SCREENS.items():
+        page.set_viewport_size({'width': width, 'height': height})
+        yield screen, height
+
+
 def overflow(page) -> int:
     """Return by how many CSS pixels the page is wider than the screen."""
     return page.evaluate('document.documentElement.scrollWidth - window.innerWidth')

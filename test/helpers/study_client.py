@@ -106,20 +106,26 @@ class Person:
 
     def take_part(self, seed):
         """Answer everything at random; return the choices by scenario and step, and the name."""
-        random, given = Random(seed), {}
         self.join()
-        while 'Thank you' not in self.page.title:
+        given = self.answer_the_rest(Random(seed))
+        if 'action="/close"' in self.page.html:
+            self.post('close')
+        return given, re.search('under the name (p-[a-z0-9]+)', self.page.html)[1]
+
+    def answer_the_rest(self, random):
+        """Answer at random until there is no more; return the choices by scenario and step."""
+        given = {}
+        while True:
             if 'action="/start"' in self.page.html:
                 self.post('start')
             elif 'action="/check"' in self.page.html:
                 self.post('check', **RIGHT)
-            elif 'action="/close"' in self.page.html:
-                self.post('close')
-            else:
+            elif 'action="/answer"' in self.page.html:
                 page, choice = self.page, random.choice(CHOICES)
                 given[page.scenario, page.step] = (page, choice)
                 self.answer(choice)
-        return given, re.search('under the name (p-[a-z0-9]+)', self.page.html)[1]
+            else:
+                return given
 
     def _ask(self, path, data=None):
         try:

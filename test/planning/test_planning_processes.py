@@ -24,9 +24,9 @@ from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Planner,
 from mirror_explainer.planning.downward.program import find_downward
 
 
-@pytest.fixture(params=[True, False], ids=['grounded once', 'one by one'])
+@pytest.fixture(scope='module', params=[True, False], ids=['grounded once', 'one by one'])
 def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
-    """A planner of a test's own, in both ways, with one process: an engine's takes seconds."""
+    """A planner for tests that leave it usable, in both ways, with one process."""
     with Planner(workers=1, shortcuts=request.param, planning_timeout=60.0) as planner:
         yield planner
 

@@ -17,7 +17,7 @@ pytest.importorskip('django', reason='the extra [web] is not installed')
 pytest.importorskip('playwright', reason='playwright is not installed (the extra [test])')
 
 import rclpy
-from browser import SCREENS, Server, overflow, person, served, violations
+from browser import SCREENS, Server, overflow, person, resized, served, violations
 from patience import eventually
 from playwright.sync_api import Locator, Page, expect
 from rcl_interfaces.msg import Parameter as ParameterMessage
@@ -312,8 +312,7 @@ def test_the_page_fits_every_screen_also_at_200_percent_with_names_of_any_kind(o
     directions = [each.evaluate(direction) for each in answer(operator).all()]
     assert directions == ['ltr', 'rtl', 'ltr', 'ltr']
     assert operator.locator('main b').count() == 0
-    for width, height in SCREENS.values():
-        operator.set_viewport_size({'width': width, 'height': height})
+    for _ in resized(operator):
         assert overflow(operator) <= 0
     assert violations(operator) == []
     press(operator)  # which brings the true names back

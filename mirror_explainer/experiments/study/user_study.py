@@ -79,7 +79,7 @@ def _serve(options: argparse.Namespace) -> None:
 def _export(options: argparse.Namespace) -> None:
     """Write what people answered."""
     require_extras('web')
-    from mirror_explainer.experiments.study.web_study.report import export
+    from mirror_explainer.experiments.study.web_study.export import export
 
     export(options.database, options.output)
 

@@ -74,7 +74,7 @@ def overview(request: HttpRequest) -> HttpResponse:
 def download(request: HttpRequest) -> HttpResponse:
     """Return all tables as CSV files in one archive."""
     # Not before the extras are known to be there.
-    from mirror_explainer.experiments.study.web_study.report import tables
+    from mirror_explainer.experiments.study.web_study.export import tables
 
     kept = Study.objects.get()
     archive = io.BytesIO()

@@ -14,7 +14,7 @@ from mirror_explainer.experiments.study.web_study.design import Design, design, 
 from mirror_explainer.experiments.study.web_study.study_file import read_study_file
 from mirror_explainer.planning import Planner
 from mirror_explainer.web.address import Address
-from mirror_explainer.web.serving import serve
+from mirror_explainer.web.serving import listening, serve
 
 SCENARIOS, SEED = 12, 0
 
@@ -36,6 +36,7 @@ def serve_study(
         listeners = study.listeners
 
     def make() -> Design:
+        listening(address).close()  # what is wrong with it is told before the planning
         return _made(number or SCENARIOS, seed or SEED, listeners or PAPERS_LISTENERS)
 
     found, _, key = open_database(file, make, address, study)
