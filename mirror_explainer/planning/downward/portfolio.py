@@ -33,9 +33,7 @@ AXIOMS = (_BLIND,)
 # LM-cut goes through all operators at every state: up to so many, it is the first.
 _FEW_OPERATORS = 150
 
-# The first of a task's searches is tried for longer than the others at first.
 FIRST_TRY = 0.04
-_FIRST_OF_ALL = 0.2
 _LONGER = 4.0
 
 # What suited another task is tried for so many times as long as the others, and at first for
@@ -44,26 +42,26 @@ _FAVOUR = 8.0
 _LEEWAY = 2.0
 
 
-def plain(operators: Sequence[Operator]) -> tuple[str, ...]:
-    """Return the searches for a task with nothing special, LM-cut first if several act in it.
-
-    Then no one variable, such as where the robot is, is in all operators: the order of many of
-    them does not matter, and LM-cut with stubborn sets tries one order only.
-    """
-    in_all = {*operators[0].needs, *operators[0].changes} if operators else set()
-    for operator in operators:
-        in_all = {v for v in in_all if v in operator.needs or v in operator.changes}
-    if in_all and len(operators) > _FEW_OPERATORS:
-        return PLAIN
-    return (_LMCUT, *(member for member in PLAIN if member != _LMCUT))
-
-
 @dataclass(frozen=True)
 class Try:
     """A search that may take so many seconds, or took them."""
 
     configuration: str
     seconds: float
+
+
+def plain(operators: Sequence[Operator]) -> tuple[tuple[str, ...], Try | None]:
+    """Return the searches for a task with nothing special, and what suits it in all likelihood.
+
+    That is LM-cut if several things act, so that no one variable, such as where the robot is, is
+    in all operators: the order of many does not matter then, and stubborn sets try one only.
+    """
+    in_all = {*operators[0].needs, *operators[0].changes} if operators else set()
+    for operator in operators:
+        in_all = {v for v in in_all if v in operator.needs or v in operator.changes}
+    few = (_LMCUT, *(member for member in PLAIN if member != _LMCUT))
+    members = few if len(operators) <= _FEW_OPERATORS else PLAIN
+    return members, None if in_all else Try(_LMCUT, 0.0)
 
 
 def next_try(
@@ -88,7 +86,6 @@ def next_try(
     limits = {m: _LONGER * tried[m] if m in tried else FIRST_TRY * share[m] for m in order}
     chosen = min(order, key=lambda member: limits[member] / share[member])
     seconds = limits[chosen]
-    if not tried:
-        needed = _LEEWAY * lesson.seconds if lesson and chosen == suited else _FIRST_OF_ALL
-        seconds = max(seconds, needed)
+    if lesson and chosen == suited and not tried:
+        seconds = max(seconds, _LEEWAY * lesson.seconds)
     return Try(chosen, min(seconds, left))

@@ -153,8 +153,9 @@ class Searches:
                     return
                 alike = job.subject, *job.subject.parents
                 lessons = [task.lesson for task in alike if task.lesson]
-                job.lesson = max(lessons, key=lambda each: each.seconds, default=self._lesson)
                 job.input = job.subjects.search_input(job.subject)
+                default = self._lesson or job.input.lesson
+                job.lesson = max(lessons, key=lambda each: each.seconds, default=default)
                 job.next_try()
                 job.scout = not self._begun
                 self._begun += 1

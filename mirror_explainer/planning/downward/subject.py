@@ -20,10 +20,11 @@ class Finding:
 
 @dataclass(frozen=True)
 class SearchInput:
-    """What a search reads, and which searches to try on it."""
+    """What a search reads, which searches to try on it, and what suits it in all likelihood."""
 
     text: bytes
     members: Sequence[str]
+    lesson: Try | None = None
 
 
 @dataclass(eq=False, kw_only=True)

@@ -118,7 +118,7 @@ class SupersetWalk:
     def search_input(self, node: Node) -> SearchInput:
         """Return what matters of the node's task."""
         goal_task = self._goal_tasks[node.goal]
-        return SearchInput(goal_task.text(node.state), goal_task.searches)
+        return SearchInput(goal_task.text(node.state), *goal_task.searches)
 
     def checked(self, node: Node, plans: Sequence[Actions]) -> Finding | None:
         """Return the plans if they reach the goal, None otherwise."""

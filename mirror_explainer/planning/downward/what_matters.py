@@ -11,7 +11,7 @@ from functools import cached_property
 
 from mirror_explainer.planning.downward.dispensable import indispensable
 from mirror_explainer.planning.downward.ground_task import Fact, GroundTask, Operator, State
-from mirror_explainer.planning.downward.portfolio import plain
+from mirror_explainer.planning.downward.portfolio import Try, plain
 from mirror_explainer.planning.downward.search_task import SearchTask
 
 
@@ -49,8 +49,8 @@ class GoalTask:
         return self._search_task.text(state)
 
     @cached_property
-    def searches(self) -> tuple[str, ...]:
-        """Which searches to try."""
+    def searches(self) -> tuple[tuple[str, ...], Try | None]:
+        """Which searches to try, and what suits in all likelihood."""
         return plain(self.operators)
 
     @cached_property
