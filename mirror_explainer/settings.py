@@ -68,7 +68,7 @@ class Question:
     """What an answer to "what are you up to?" is to be like."""
 
     strategy: str = setting('informative', 'how to choose what to say', choices=STRATEGIES)
-    n: int = setting(3, 'sentences at most, beside what is going on', least=1, most=1000)
+    n: int = setting(3, 'sentences of an answer, at most', least=1, most=1000)
     threshold: float = setting(
         0.0,
         'say only as many as bring the doubt below this (nats; 0: no threshold)',

@@ -1,5 +1,6 @@
 """What is said, and what it does to the listener's beliefs: an answer, as values and as JSON."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -82,14 +83,12 @@ class Explanation:
         return '\n'.join(filter(None, lines))
 
     def _steps_spoken(self, sentences: Sentences) -> str:
-        statuses = self.preparation.statuses
-        steps = list(zip(self.model.plan.actions, statuses, strict=True))
-        told = [steps[p] for p in self._told]
-        if all(status.is_over for status in statuses):
+        told = self._steps(self._told)
+        if all(status.is_over for status in self.preparation.statuses):
             situation = self.preparation.situation
             is_detour = situation is not None and situation.is_detour
             return reached(sentences, told, self._excuses, is_detour)
-        unsaid = [steps[p] for p in self.unsaid_ends if p not in self._told]
+        unsaid = self._steps(p for p in self.unsaid_ends if p not in self._told)
         is_stuck = self.preparation.failed is not None
         lines = spoken(sentences, told, unsaid, is_stuck, self._excuses)
         if self._chosen or is_stuck:
@@ -111,19 +110,30 @@ class Explanation:
 
     @property
     def _seen(self) -> list[int]:
-        """What is going on, where none of that was chosen: ends first, and as many as asked for.
+        """What is going on, where nothing of it was chosen: ends, and means in the room for them.
 
-        What is said as something chosen, in one tense for both, is not said again.
+        At most `n` ends; of means as many as sentences of what was chosen are fewer than `n`, and
+        one where all that is over. What is said as something chosen, in one tense for both, is
+        not said again.
         """
-        actions, statuses = self.model.plan.actions, self.preparation.statuses
+        chosen, statuses = sorted(self._chosen), self.preparation.statuses
         going_on = [p for p, status in enumerate(statuses) if status is StepStatus.RUNNING]
         if not self._chosen.isdisjoint(going_on):
             return []
-        said, ends = self.preparation.sentences.said, self.unsaid_ends
-        going_on.sort(key=lambda position: position not in ends)
-        texts = {said(actions[p], statuses[p]): p for p in going_on}
-        chosen = {said(actions[p], statuses[p]) for p in self._chosen}
-        return [p for text, p in texts.items() if text not in chosen][: self.question.n]
+        sentences = self.preparation.sentences
+        said = {sentences.said(*step) for step in self._steps(chosen)}
+        texts = {sentences.said(*self._steps([p])[0]): p for p in reversed(going_on)}
+        seen = sorted(p for text, p in texts.items() if text not in said)
+        ends = [p for p in seen if p in self.unsaid_ends][: self.question.n]
+        lines = spoken(sentences, self._steps(chosen)).splitlines()
+        least = 1 if all(statuses[p].is_over for p in chosen) else 0
+        room = max(self.question.n - len(lines), least) - len(ends)
+        return ends + [p for p in seen if p not in ends][: max(0, room)]
+
+    def _steps(self, positions: Iterable[int]) -> list[tuple[str, StepStatus]]:
+        """Return the steps at these positions: ground actions, and how far they are."""
+        actions, statuses = self.model.plan.actions, self.preparation.statuses
+        return [(actions[position], statuses[position]) for position in positions]
 
     @property
     def _excuses(self) -> dict[str, str]:

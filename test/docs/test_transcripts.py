@@ -27,8 +27,6 @@ def test_a_task_is_told_as_documented_and_nobody_understands_less_as_it_goes_on(
 
     told = table(moments)
     assert told in PAGE.read_text(), f'docs/transcripts.md lacks the transcript:\n{told}'
-    is_told_at_work = ['I am ' in moment.spoken for moment in moments[:-1]]
-    assert is_told_at_work == [moment.running for moment in moments[:-1]]
     understood = [moment.understanding for moment in moments]
     assert understood == sorted(understood)
     assert len(planned) == 1, 'planned for once, before the first answer'

@@ -1,5 +1,6 @@
 """What a robot says from the first step of its plan to the last, asked before and during each."""
 
+import itertools
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -60,10 +61,18 @@ def _asked(explainer: LiveExplainer, reports: list[str], done: int, running: boo
 
 
 def table(moments: Iterable[Moment]) -> str:
-    """Return as Markdown what is said before the first step, during each, and after the last."""
+    """Return as Markdown what is said before the first step, during each, and after the last.
+
+    What is said of steps one after the other stands in one row.
+    """
     first, *between, last = moments
-    rows = {str(moment.done + 1): moment for moment in between if moment.running}
-    rows = {'before': first, **rows, 'after': last}
-    lines = ['| step | answer |', '|---|---|']
-    lines += [f'| {when} | {" ".join(m.spoken.splitlines())} |' for when, m in rows.items()]
-    return '\n'.join(lines)
+    lines = ['| step | answer |', '|---|---|', _row('before', first.spoken)]
+    during = [moment for moment in between if moment.running]
+    for spoken, same in itertools.groupby(during, lambda moment: moment.spoken):
+        steps = [str(moment.done + 1) for moment in same]
+        lines.append(_row(' – '.join(dict.fromkeys([steps[0], steps[-1]])), spoken))
+    return '\n'.join([*lines, _row('after', last.spoken)])
+
+
+def _row(when: str, spoken: str) -> str:
+    return f'| {when} | {" ".join(spoken.splitlines())} |'
