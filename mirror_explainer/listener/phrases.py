@@ -9,9 +9,21 @@ from mirror_explainer.errors import meant_or_known
 from mirror_explainer.listener.wording import parts
 
 
-def _phrase(default: str, when: str, *, places: str = '', may_be_empty: bool = False) -> Any:
-    """Declare a phrase: `places` are what it may have in braces, the first of which it must."""
-    metadata = {'when': when, 'places': tuple(places.split()), 'may_be_empty': may_be_empty}
+def _phrase(
+    default: str,
+    when: str,
+    *,
+    place: str = '',
+    must_have_it: bool = True,
+    may_be_empty: bool = False,
+) -> Any:
+    """Declare a phrase: `place` is what it may have in braces, and must unless that is said."""
+    metadata = {
+        'when': when,
+        'place': place,
+        'must_have_it': must_have_it,
+        'may_be_empty': may_be_empty,
+    }
     return field(default=default, metadata=metadata)
 
 
@@ -36,6 +48,13 @@ class Phrases:
     not_ready: str = _phrase(
         'I do not know yet. Please ask me again in a moment.',
         'The plan is still being read, or something else that it takes has not come.',
+    )
+    wrong_input: str = _phrase(
+        '{reason}',
+        'A message or a file is wrong. {reason} names it, the line and what is wrong with it, for '
+        'whoever mends it; leave it out where calls are heard by others.',
+        place='reason',
+        must_have_it=False,
     )
     all_heard: str = _phrase(
         'You have heard all that I am up to.', 'Every step of the plan was said before.'
@@ -70,17 +89,17 @@ class Phrases:
         'I am stuck: {step}',
         'A step failed. {step} is "I cannot …" of a sentence with "I will …", else the sentence. '
         "The robot's reason, if it gives one, is the next sentence.",
-        places='step',
+        place='step',
     )
     skipped: str = _phrase(
         'Left out: {sentence}',
         'Before the sentence of a step that was left out, where it does not begin with "I will".',
-        places='sentence',
+        place='sentence',
     )
     already: str = _phrase(
         'Already done: {sentence}',
         'Before the sentence of a step that is done, where it has no form for the past.',
-        places='sentence',
+        place='sentence',
     )
     and_: str = _phrase('and', 'Joins the last two of several objects: "the cup and the plate".')
     others: str = _phrase(
@@ -111,20 +130,21 @@ def phrase_faults(texts: Mapping[Any, Any]) -> Iterator[tuple[Any, str]]:
             if not known[name].metadata['may_be_empty']:
                 yield name, 'this text is blank'
         elif isinstance(text, str):  # what is none is reported by the file's schema
-            yield from ((name, fault) for fault in _places(text, known[name].metadata['places']))
+            metadata = known[name].metadata
+            faults = _faults(text, metadata['place'], metadata['must_have_it'])
+            yield from ((name, fault) for fault in faults)
 
 
-def _places(text: str, places: tuple[str, ...]) -> Iterator[str]:
+def _faults(text: str, place: str, must_have_it: bool) -> Iterator[str]:
     """Find what a phrase has in braces and should not, and what it should have."""
     try:
-        found = [name for _, name in parts(text) if name] if places else []
+        found = [name for _, name in parts(text) if name] if place else []
     except ValueError as error:
         yield f'"{text}": {error}'
         return
-    for name in found or re.findall(r'\{(\w*)\}', text if not places else ''):
-        if name not in places:
-            known = ' or '.join(f'{{{place}}}' for place in places)
-            hint = f' (write {known})' if known else ''
+    for name in found or re.findall(r'\{(\w*)\}', text if not place else ''):
+        if name != place:
+            hint = f' (write {{{place}}})' if place else ''
             yield f'"{text}": {{{name}}} has no place here{hint}'
-    if places and places[0] not in found:
-        yield f'"{text}" lacks {{{places[0]}}}'
+    if place and must_have_it and place not in found:
+        yield f'"{text}" lacks {{{place}}}'

@@ -163,9 +163,11 @@ class LiveExplainer:
         else:
             readiness = self._updates.readiness
         if readiness.preparation is None:
+            phrases = self._reader.phrases
             if readiness.phase is Phase.PLANNING:  # the texts are still being read
-                return Reply(False, self._reader.phrases.not_ready)
-            return Reply(False, readiness.spoken or readiness.message)
+                return Reply(False, phrases.not_ready)
+            wrong = phrases.wrong_input.replace('{reason}', readiness.message)
+            return Reply(False, readiness.spoken or wrong)
         text = self._answers.give(
             readiness.preparation,
             readiness.number,

@@ -228,15 +228,19 @@ def test_bad_input_is_told_by_calls_and_diagnostics_until_good_input_comes(
 def test_a_robot_without_a_plan_says_so_in_the_user_models_words_and_diagnostics_in_theirs(
     served, model_file
 ) -> None:
-    words = Path(USER_MODEL).read_text() + '\nphrases: {no_plan: I wait for orders.}\n'
+    phrases = 'phrases: {no_plan: I wait for orders., wrong_input: I cannot tell you.}'
+    words = f'{Path(USER_MODEL).read_text()}\n{phrases}\n'
     served.publish(plan='')
     by_default = served.refusal()
     served.set(user_model_file=str(model_file(words)))
     in_own_words = served.refusal()
     diagnosis = served.explainer.diagnose({}, 0)
+    served.publish(plan='(fly')
 
     assert by_default == 'I have nothing to do right now.'
     assert in_own_words == 'I wait for orders.'
+    assert served.refusal() == 'I cannot tell you.'
+    assert served.explainer.diagnose({}, 0).message.startswith('/plan, line 1: ')
     assert diagnosis.level is Level.WARN
     assert diagnosis.message == '/plan: the robot has no current plan'
 
