@@ -7,14 +7,20 @@ import threading
 import time
 from collections.abc import Iterator
 
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import remove_ros_args
-from std_msgs.msg import String
-from std_srvs.srv import Trigger
+try:
+    import rclpy
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.node import Node
+    from rclpy.qos import DurabilityPolicy, QoSProfile
+    from rclpy.signals import SignalHandlerOptions
+    from rclpy.utilities import remove_ros_args
+    from std_msgs.msg import String
+    from std_srvs.srv import Trigger
+except ModuleNotFoundError as missing:
+    sys.exit(
+        f'there is no {missing.name} here: source ROS 2 (. /opt/ros/jazzy/setup.bash), '
+        'or activate the environment (. .venv/bin/activate)'
+    )
 
 PAUSE = 1.0  # s between two calls; what is over by then is not told
 
