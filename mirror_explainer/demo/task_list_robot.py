@@ -16,14 +16,15 @@ from mirror_explainer.commands.terminal import command_parser
 from mirror_explainer.demo.run import run
 from mirror_explainer.errors import InputError, told
 from mirror_explainer.node.robot_topics import LATCHED
-from mirror_explainer.node.task_list import TaskList, parsed_tasks
+from mirror_explainer.node.task_list import TaskList
 
 
 class TaskListRobot(Node):
     """Publishes what `TaskList` does from what it hears on `tasks` (std_msgs/String).
 
     Each message is the whole list, one task a line, in order, with `done:`, `running:`,
-    `skipped:` or `failed:` before those that are not ahead. An empty one: nothing to do. The
+    `skipped:` or `failed:` before those that are not ahead. An empty one: nothing to do. What is
+    wrong with one is in the log, and in the explainer's answers until the next one comes. The
     parameters `known_tasks` and `user_model_file` name tasks that it may have at other times.
     """
 
@@ -54,7 +55,7 @@ class TaskListRobot(Node):
 
     def _on_tasks(self, message: String) -> None:
         try:
-            self._tasks.tell(parsed_tasks(message.data))
+            self._tasks.tell_text(message.data)
         except InputError as error:
             self.get_logger().error(told(error))
 

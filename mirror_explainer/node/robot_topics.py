@@ -4,6 +4,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
+from mirror_explainer.errors import InputError
+
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -33,3 +35,7 @@ class RobotTopics:
             if self._told.get(topic) != text:
                 self._told[topic] = text
                 self._outputs[topic].publish(String(data=text))
+
+    def tell_fault(self, error: InputError) -> None:
+        """Publish why there is no plan to tell, in its place: the one before is over."""
+        self.tell(plan=f'fault: {error}')

@@ -5,7 +5,8 @@ the domain of `config/tasks`, where a task is something that gets done, this is 
 """
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -51,7 +52,8 @@ class TaskList:
 
     Call `tell` or `tell_tree` as often as you like, such as after each tick: what has not
     changed is not published again. Raises InputError for a task or a standing that cannot be
-    told, and for a file that cannot be read.
+    told, which the explainer then answers with, rather than from the list before; and for a
+    file that cannot be read.
     """
 
     def __init__(self, node: Node, known: Iterable[str] = (), user_model_file: str = '') -> None:
@@ -78,13 +80,20 @@ class TaskList:
         are those of them that the others are for; without them all are. No tasks: the robot has
         nothing to do; with a `reason` it had to stop what it was told to be at, which failed.
         """
-        told = _one_after_the_other([_checked(task) for task in tasks])
-        if reason and not told:
-            told = _broken_off(self._list)
-            ends = self._ends if told else ends
-        self._tell(_reasoned(told, reason), ends)
+        with self._faults_told():
+            told = _one_after_the_other([_checked(task) for task in tasks])
+            if reason and not told:
+                told = _broken_off(self._list)
+                ends = self._ends if told else ends
+            self._tell(_reasoned(told, reason), ends)
         if reason and not any(task.standing in REASONED for task in told):
             self._warn(f'nobody hears why: "{reason}", since no task was skipped, or failed')
+
+    def tell_text(self, text: str) -> None:
+        """Tell the tasks of a text, as `parsed_tasks` takes it."""
+        with self._faults_told():
+            tasks = parsed_tasks(text)
+        self.tell(tasks)
 
     def _tell(self, tasks: list[_Task], ends: Collection[str]) -> None:
         texts = task_texts(tasks, ends)
@@ -101,17 +110,27 @@ class TaskList:
         names of nodes anywhere in the tree: those in the branches that it means to run count.
         A tree that was ticked and is INVALID now was given up: it has nothing to do.
         """
-        if not_there := {*ends}.difference(every := [*all_tasks(root, leaves)]):
-            raise _no_task(min(not_there), every)
-        is_reset = root.status.name == 'INVALID'
-        is_given_up = is_reset and root is self._tree
-        tasks = [] if is_given_up else tree_tasks(root, leaves, self._tree_tasks)
-        self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
-        named = {task for task, *_ in tasks}
-        told = [_checked(task) for task in tasks]
-        if any(task.standing == 'failed' for task in told):
-            told = _reasoned(told, failure_reason(root, leaves))
-        self._tell(told, [end for end in ends if end in named])
+        with self._faults_told():
+            if not_there := {*ends}.difference(every := [*all_tasks(root, leaves)]):
+                raise _no_task(min(not_there), every)
+            is_reset = root.status.name == 'INVALID'
+            is_given_up = is_reset and root is self._tree
+            tasks = [] if is_given_up else tree_tasks(root, leaves, self._tree_tasks)
+            self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
+            named = {task for task, *_ in tasks}
+            told = [_checked(task) for task in tasks]
+            if any(task.standing == 'failed' for task in told):
+                told = _reasoned(told, failure_reason(root, leaves))
+            self._tell(told, [end for end in ends if end in named])
+
+    @contextmanager
+    def _faults_told(self) -> Iterator[None]:
+        """Let the explainer, too, hear why there is no new list: the one before is over."""
+        try:
+            yield
+        except InputError as error:
+            self._topics.tell_fault(error)
+            raise
 
     def _warn(self, sentence: str) -> None:
         if sentence not in self._warned:

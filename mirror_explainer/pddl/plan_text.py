@@ -25,7 +25,9 @@ _LINE = re.compile(
 )
 _SEVERAL = re.compile(rf'(?:\(\s*{_WORD}(?:\s+{_WORD})*\s*\)\s*){{2,}}')
 _LASTING = re.compile(rf'\s*(?:d\s*:\s*)?(?P<seconds>{_NUMBER})\s*(?:;.*)?', re.IGNORECASE)
+_FAULT = re.compile(r'\s*fault:\s*(?P<reason>\S.*)', re.IGNORECASE)
 _HEADER = re.compile(r'\s*(?P<header>plan|sequentialplan|timetriggeredplan)\s*:\s*', re.IGNORECASE)
+_MEND = 'Correct what the robot is told: the next plan is taken up by itself.'
 
 
 @dataclass(frozen=True)
@@ -59,12 +61,15 @@ def read_plan(
     """Read a plan text; timed lines are put in the order of their start times.
 
     An empty text, or one of comments only, is the empty plan. Raises
-    InputError with line and text for anything that is no plan line, and for
-    more than the limits allow.
+    InputError with line and text for anything that is no plan line, for
+    more than the limits allow, and for "fault: why", which
+    a robot sends in the place of a plan that it cannot tell.
     """
     if limits:
         limits.require_bytes(text, source)
     text = plain_text(text)
+    if fault := _FAULT.fullmatch(text):
+        raise InputError(source, fault['reason'], cure=_MEND)
     if re.match(r'(?:\s|;[^\n]*(?:\n|$))*\(\s*define\b', text, re.IGNORECASE):
         raise InputError(
             source,

@@ -262,6 +262,23 @@ def test_a_robot_that_goes_on_after_a_failure_is_not_stuck(robot):
     )
 
 
+def test_a_list_that_cannot_be_told_is_answered_with_that_and_not_with_the_one_before(robot):
+    under_way = [(TEA[0], 'done'), (TEA[1], 'running'), TEA_AHEAD]
+    robot.tasks.tell(under_way)
+    before = robot.answer()
+    with pytest.raises(InputError):
+        robot.tasks.tell_text('doing: boil water')
+    assert robot.refusal() == (
+        '/plan: tasks, line 1: "doing" is no standing of a task (did you mean "done"?)'
+    )
+    with pytest.raises(InputError):
+        robot.tasks.tell([('Boil water', 'doing')])
+    assert robot.refusal().startswith('/plan: tasks: a task is ahead, ')
+    robot.tasks.tell(under_way)
+
+    assert robot.answer() == before == 'I am boiling water.\nI will bring the tea.'
+
+
 def test_a_reason_of_nothing_that_failed_is_told_once_in_the_log(robot):
     for _ in range(2):
         robot.tasks.tell([(TEA[0], 'running')], reason='Why not.')
@@ -349,5 +366,5 @@ def test_a_robot_that_sends_its_tasks_as_a_text_is_explained(asked, tmp_path, wa
         assert asked.answer() == 'I will bring the tea.'
         asked.publish('tasks', 'done: !', latched=False)
         eventually(lambda: 'a task needs a name' in process.log, 'what is wrong in the log')
-        assert asked.answer() == 'I will bring the tea.'
+        asked.failure('a task needs a name')
         assert 'incompatible QoS' not in process.log
