@@ -1,5 +1,6 @@
 """An answer as a person hears it: steps in their tenses, like ones in one breath."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -12,6 +13,8 @@ from mirror_explainer.listener.wording import parts
 from mirror_explainer.pddl.progress import StepStatus
 
 Step = tuple[str, StepStatus]  # a ground action, and how far it is
+_OF = re.compile(r'of\b', re.IGNORECASE)  # so a reason begins that is no sentence
+_ENGLISH = re.compile(r'\bI (?:cannot|did not|was not)\b')
 _NO_REASONS: Mapping[str, str] = MappingProxyType({})
 
 
@@ -83,15 +86,20 @@ def reached(
 def stuck(sentences: Sentences, failed: str, reason: str = '') -> str:
     """Return what is said when a step, a ground action, failed; `reason` is the robot's own."""
     sentence = sentences.of(failed)
-    told = sentences.phrases.failed.replace('{step}', inability(sentence) or sentence)
-    return _with_reason(told, reason)
+    step, *why = _with_reason(inability(sentence) or sentence, reason).split('\n', 1)
+    return '\n'.join([sentences.phrases.failed.replace('{step}', step), *why])
 
 
 def _with_reason(sentence: str, reason: str) -> str:
-    """Return a sentence, and the robot's reason, if it gave one, as the next."""
+    """Return a sentence, and the robot's reason, if it gave one, as the next.
+
+    "Because of the waves" would be none: "I cannot simmer soup because of the waves."
+    """
     if not reason:
         return sentence
     end = '' if reason.endswith(('.', '!', '?', '…')) else '.'
+    if _OF.match(reason) and _ENGLISH.search(sentence):
+        return f'{sentence.rstrip(".")} because {reason[0].lower()}{reason[1:]}{end}'
     return f'{sentence}\n{reason[0].upper()}{reason[1:]}{end}'
 
 

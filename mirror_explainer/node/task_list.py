@@ -198,12 +198,17 @@ def parsed_tasks(text: str) -> list[ToldTask]:
 
     A line without a standing is a task that is ahead. What failed, or was skipped, may have a
     reason, as in `failed: wipe the table because the sponge is dry`. Raises InputError for
-    another word before a colon.
+    another word before a colon, and for a standing without one.
     """
     tasks: list[ToldTask] = []
     for number, line in enumerate(map(str.strip, text.splitlines()), start=1):
         if not line:
             continue
+        first, *rest = line.split(maxsplit=1)
+        if rest and first.lower() in STANDINGS and not rest[0].startswith(':'):
+            fault = f'"{first}" needs a colon (did you mean "{first}: {rest[0]}"?)'
+            cure = f'A task that is called so needs its standing before it: "ahead: {line}".'
+            raise InputError('tasks', fault, number, cure=cure)
         found = _TOLD.fullmatch(line)
         standing, task = (found[1].lower(), found[2]) if found else ('ahead', line)
         if standing not in STANDINGS:

@@ -100,6 +100,9 @@ def test_a_text_with_another_word_for_how_a_task_stands_is_refused():
     with pytest.raises(InputError, match='line 2: "runing" is no standing .* "running"') as error:
         parsed_tasks('Boil water\nRuning: bring the tea')
     assert 'ahead, running, done, skipped, failed' in error.value.cure
+    with pytest.raises(InputError, match='line 2: .*did you mean "Running: bring tea"') as error:
+        parsed_tasks('run home\nRunning bring tea')
+    assert error.value.cure.endswith('"ahead: Running bring tea".')
 
 
 def test_what_failed_or_was_skipped_has_its_reason_on_one_line_without_a_comment():
@@ -277,6 +280,15 @@ def test_a_list_that_cannot_be_told_is_answered_with_that_and_not_with_the_one_b
     robot.tasks.tell(under_way)
 
     assert robot.answer() == before == 'I am boiling water.\nI will bring the tea.'
+
+
+def test_a_reason_that_is_no_sentence_is_said_with_what_it_is_of(robot):
+    robot.tasks.tell_text('failed: boil water because of the waves\nbring the tea')
+    stuck = robot.answer()
+    robot.tasks.tell_text('skipped: boil water because of the waves.\nrunning: bring the tea')
+
+    assert stuck.split('\n')[0] == 'I am stuck: I cannot boil water because of the waves.'
+    assert robot.answer().split('\n')[0] == 'I did not boil water because of the waves.'
 
 
 def test_a_reason_of_nothing_that_failed_is_told_once_in_the_log(robot):
