@@ -5,8 +5,8 @@ import gc
 import logging
 import sys
 import time
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections import Counter, deque
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import mirror_explainer.selection.one_thread  # noqa: F401  # isort: skip
@@ -115,6 +115,8 @@ class ExplainerNode(Node):
             self._configuration(), self._publish_answer, self._publish_diagnostics
         )
 
+        # The newest messages: topics, with the publishers' times in ns.
+        self._heard: deque[tuple[str, int]] = deque(maxlen=100)
         self._in_order = MutuallyExclusiveCallbackGroup()
         at_once = ReentrantCallbackGroup()
         # A volatile publisher is heard by the first, a late start made good by the second.
@@ -172,8 +174,11 @@ class ExplainerNode(Node):
         self._explainer.configure(self._configuration())
 
     @_guarded
-    def _hear(self, name: str, message: String) -> None:
-        # The other subscription may have heard it already: that is nothing new.
+    def _hear(self, name: str, message: String, info: Mapping[str, int]) -> None:
+        sent = name, info['source_timestamp']
+        if sent[1] and sent in self._heard:
+            return  # by the other subscription: the robot has not said it again
+        self._heard.append(sent)
         self._explainer.hear(name, Text(message.data, self.resolve_topic_name(name)))
 
     @_guarded
@@ -189,7 +194,7 @@ class ExplainerNode(Node):
                 with subscription.handle:
                     taken = subscription.handle.take_message(String, False)
                 if taken is not None:
-                    self._hear(name, taken[0])
+                    self._hear(name, *taken)
             finally:
                 self._in_order.ending_execution(subscription)
         if self.executor is not None:  # so that it looks at what was held up here

@@ -10,6 +10,8 @@ from mirror_explainer.settings import PlanningSettings, Question, setting
 
 # The topics that are heard; a robot need not publish its progress.
 TOPICS = ('domain', 'problem', 'plan', 'progress')
+# A robot publishes its plan and its progress in this order, but they may come in the other.
+TOGETHER_SECONDS = 1.0
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,30 @@ class Inputs:
             'plan (topic)': self.plan,
         }
         return tuple(name for name, value in present.items() if not value)
+
+    @property
+    def is_plan_newer(self) -> bool:
+        """Whether the plan came, or came again, after the progress."""
+        return bool(self.plan and self.progress and self._since_progress(self.plan) > 0.0)
+
+    @property
+    def is_progress_old(self) -> bool:
+        """Whether the progress came long before the plan: so it is about a plan before."""
+        return bool(
+            self.plan and self.progress and self._since_progress(self.plan) > TOGETHER_SECONDS
+        )
+
+    @property
+    def begins_anew(self) -> bool:
+        """Whether problem and plan both came, or came again, long after the progress."""
+        return bool(
+            self.is_progress_old
+            and self.problem
+            and self._since_progress(self.problem) > TOGETHER_SECONDS
+        )
+
+    def _since_progress(self, text: Text) -> float:
+        return text.heard.seconds_since(self.progress.heard) if self.progress else 0.0
 
     @cached_property
     def digest(self) -> str:

@@ -8,7 +8,7 @@ from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
-from mirror_explainer.pddl.progress import read_progress
+from mirror_explainer.pddl.progress import Progress, read_progress
 from mirror_explainer.pddl.situation import (
     Situation,
     begun_again,
@@ -16,9 +16,6 @@ from mirror_explainer.pddl.situation import (
     next_situation,
     situation_of,
 )
-
-# A robot publishes its plan and its progress in this order, but they may come in the other.
-_TOGETHER_SECONDS = 1.0
 
 
 class RobotStatus:
@@ -28,7 +25,9 @@ class RobotStatus:
         self._situation: Situation | None = None
         self._has_stopped = False  # whether it has had no plan since then
         self._stale: Text | None = None
-        self._told, self._told_in = '', ''  # the last progress text, and the problem it came with
+        # The last new progress text, as it came, and the problem it came with.
+        self._told: Text | None = None
+        self._told_in = ''
 
     @property
     def is_under_way(self) -> bool:
@@ -53,7 +52,7 @@ class RobotStatus:
         steps = without_dummy(read(problem.text), read_plan(plan.text, plan.source, inputs.limits))
         progress = inputs.progress if inputs.progress is not self._stale else None
         tells = None
-        if progress and plan.heard.seconds_since(progress.heard) <= _TOGETHER_SECONDS:
+        if progress and not inputs.is_progress_old:
             tells = partial(read_progress, progress.text, source=progress.source)
         given = (domain, problem.text, steps, read, plan.source, inputs.limits, tells)
         first = partial(situation_of, *given)
@@ -77,12 +76,22 @@ class RobotStatus:
         if progress and is_new and tells is None:
             self._stale, progress = progress, None  # it is about the plan before
         if progress:
-            if problem.text != self._told_in:
-                situation = gone_back(situation, progress.text, first)
-            if situation.begins_again(progress.text):
+            told = read_progress(progress.text, situation.episode.actions, source=progress.source)
+            if problem.text != self._told_in or self._is_plan_again(plan, situation, told):
+                situation = gone_back(situation, told, first)
+            if situation.begins_again(told):
                 situation = begun_again(situation)
             situation = situation.telling(progress.text, progress.source)
-            if progress.text != self._told:
-                self._told, self._told_in = progress.text, problem.text
+            if progress != self._told:
+                self._told, self._told_in = progress, problem.text
         self._situation, self._has_stopped = situation, False
         return situation
+
+    def _is_plan_again(self, plan: Text, situation: Situation, told: Progress) -> bool:
+        """Say whether a plan came again after progress was told, and so begins again.
+
+        Where more than that is ahead, a robot that repeats its plan may have forgotten to name
+        all that is done.
+        """
+        since = plan.heard.seconds_since(self._told.heard) if self._told else 0.0
+        return since > 0.0 and situation.episode.comes_to(told)

@@ -57,6 +57,7 @@ class _Submission:
 
     They are together, and the files left alone, at `settled_at` (of time.monotonic()). Calls
     wait for `patience` seconds. `unread` is how ready the explainer is until they are read.
+    `is_plan_newer` says whether the plan came after the progress since the texts are these.
     """
 
     inputs: Inputs | None = None
@@ -64,6 +65,7 @@ class _Submission:
     settled_at: float = 0.0
     patience: float = 0.0
     unread: Readiness = _NOTHING_YET
+    is_plan_newer: bool = False
 
 
 @dataclass(frozen=True)
@@ -136,10 +138,13 @@ class Updates:
             before = self._newest = replace(self._newest, patience=patience)
             if before.inputs is not None:
                 inputs = replace(inputs, files_revision=before.inputs.files_revision)
-            if inputs != before.inputs:
+            known = before.inputs
+            is_same = inputs == known and inputs.begins_anew == known.begins_anew
+            is_plan_newer = inputs.is_plan_newer or (is_same and before.is_plan_newer)
+            if not is_same or is_plan_newer != before.is_plan_newer:
                 self._begin(inputs, 0.0 if self._is_pending else SETTLING_SECONDS)
-            else:  # the same may have been heard again
-                self._newest = replace(self._newest, inputs=inputs)
+            # The same may have been heard again.
+            self._newest = replace(self._newest, inputs=inputs, is_plan_newer=is_plan_newer)
 
     def look_at_files(self, timeout: float = -1.0) -> bool:
         """Work again if a file that was read has changed since; return whether one has.
@@ -205,12 +210,12 @@ class Updates:
 
     def _begin(self, inputs: Inputs, settling: float) -> None:
         before = self._newest
-        self._newest = _Submission(
-            inputs,
-            before.number + 1,
-            max(before.settled_at, time.monotonic() + settling),
-            before.patience,
-            Readiness(Phase.PLANNING, 'reading the newest inputs', inputs=inputs),
+        self._newest = replace(
+            before,
+            inputs=inputs,
+            number=before.number + 1,
+            settled_at=max(before.settled_at, time.monotonic() + settling),
+            unread=Readiness(Phase.PLANNING, 'reading the newest inputs', inputs=inputs),
         )
         if not self._reading.patient:
             self._reading.stop.after(0.0)

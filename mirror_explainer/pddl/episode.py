@@ -14,7 +14,7 @@ from mirror_explainer.pddl.derived.facts import DerivedFacts
 from mirror_explainer.pddl.happenings import GroundStep, Happening, ground, orders
 from mirror_explainer.pddl.plan_check import missing_goals, tried
 from mirror_explainer.pddl.plan_text import Step
-from mirror_explainer.pddl.progress import Progress
+from mirror_explainer.pddl.progress import Progress, StepStatus
 from mirror_explainer.pddl.simulation import Run, happen
 from mirror_explainer.pddl.states import Evaluator, State, UnknownNumberError
 from mirror_explainer.pddl.taken_back import is_plausible, taken_back
@@ -50,6 +50,18 @@ class Episode:
     def places(self) -> tuple[Progress, ...]:
         """The progress after each number of happenings."""
         return tuple(Progress.each(self.run.happenings))
+
+    def comes_to(self, progress: Progress) -> bool:
+        """Say whether nothing has begun before what was to end first was over."""
+        over = progress.positions(StepStatus.DONE, StepStatus.SKIPPED)
+        begun = {*over, *progress.positions(StepStatus.RUNNING)}
+        is_over = True  # whatever was to end so far
+        for happening in self.run.happenings:
+            if happening.starts and happening.step in begun and not is_over:
+                return False
+            if happening.ends:
+                is_over = is_over and happening.step in over
+        return True
 
     def agrees(self, state: State, count: int, uncertain: Collection[str] = ()) -> bool | None:
         """Say whether a state is the one after so many happenings, in all that matters.

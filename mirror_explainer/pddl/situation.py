@@ -63,11 +63,9 @@ class Situation:
         has_begun = self.progress != Progress.none(len(self.progress.steps))
         return has_begun and not self.progress.finished
 
-    def begins_again(self, text: str) -> bool:
-        """Say whether a robot that was done tells, by a progress text, that it is not any more."""
-        if self.told is None or not self.told.finished:
-            return False
-        return not read_progress(text, self.episode.actions).finished
+    def begins_again(self, told: Progress) -> bool:
+        """Say whether a robot that was done tells that it is not any more."""
+        return self.told is not None and self.told.finished and not told.finished
 
     def telling(self, text: str, source: str = 'progress') -> 'Situation':
         """Return the situation with the progress that the robot tells. Raises InputError."""
@@ -168,13 +166,12 @@ def begun_again(situation: Situation) -> Situation:
     )
 
 
-def gone_back(situation: Situation, text: str, first: Callable[[], Situation]) -> Situation:
+def gone_back(situation: Situation, told: Progress, first: Callable[[], Situation]) -> Situation:
     """Return the situation of a robot that does steps of its plan again, from a newer state.
 
-    It tells that by a progress text, and the state agrees; else nothing has changed. `first`
-    returns its situation by its newest messages, were they the first, as `situation_of` does.
+    It is `told`, and the state agrees; else nothing has changed. `first` returns its situation
+    by its newest messages, were they the first, as `situation_of` does.
     """
-    told = read_progress(text, situation.episode.actions)
     if situation.told is None or not told.undone(situation.told):
         return situation
     try:

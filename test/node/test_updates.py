@@ -238,6 +238,30 @@ def test_what_is_heard_again_counts_as_heard_now(monkeypatch, played):
     assert read.plan.heard.seconds_since(read.problem.heard) > -30.0
 
 
+def test_a_plan_that_comes_again_after_the_progress_is_read_once_more_and_then_once_for_both(
+    played,
+):
+    robot = played()
+
+    def submit(*heard_after: float) -> int:
+        """Submit problem and plan heard so long after the progress; return the readings so far."""
+        now = time.monotonic()
+        texts = {
+            name: Text(name, f'/{name}', Moment(now + seconds))
+            for name, seconds in zip(['problem', 'plan'], heard_after, strict=True)
+        }
+        progress = Text('progress', '/progress', Moment(now))
+        robot.updates.submit(Inputs(**texts, progress=progress), patience=5.0)
+        robot.updates.wait(PATIENCE)
+        return len(robot.reader.asked)
+
+    assert submit(-1.0, -1.0) == submit(-0.5, -0.5) == 1
+    assert submit(0.0, 0.5) == submit(0.5, -0.1) == submit(0.6, 0.6) == 2
+    # By then the progress is about a plan before, until it comes again.
+    assert submit(1.5, 1.5) == submit(2.0, 2.0) == 3
+    assert submit(0.1, 0.1) == 4
+
+
 def test_a_plan_that_comes_long_before_its_problem_is_not_told_to_be_wrong(monkeypatch, played):
     monkeypatch.setattr(module, 'DOUBTFUL_SECONDS', PATIENCE)
     robot = played(

@@ -1,0 +1,112 @@
+"""What a robot is doing by one message after the other, with their times, and no thread."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import pytest
+from test_episodes import LINES
+from test_live_explainer import DOMAIN, PLAN, PROBLEM
+
+from mirror_explainer.errors import InputError, NoPlanError
+from mirror_explainer.node.inputs import Inputs, Text
+from mirror_explainer.node.moment import Moment
+from mirror_explainer.node.robot_status import RobotStatus
+from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.pddl.situation import Situation
+
+
+@cache
+def read(problem: str) -> Task:
+    return read_task(DOMAIN, problem)
+
+
+def told(done: int, lines: list[str] = LINES) -> str:
+    """Return the progress of a robot that is at the step after so many."""
+    return '\n'.join([*(f'done: {line}' for line in lines[:done]), f'running: {lines[done]}'])
+
+
+class Robot:
+    """Publishes texts one after the other, a millisecond apart; `passes` makes it later."""
+
+    def __init__(self) -> None:
+        self._status = RobotStatus()
+        self._inputs = Inputs()
+        self._now = 0.0
+
+    def passes(self, seconds: float) -> None:
+        self._now += seconds
+
+    def publish(self, **texts: str) -> Situation:
+        """Publish texts in this order, which are read together; return what comes of it."""
+        heard: dict[str, Any] = {}
+        for name, text in texts.items():
+            self.passes(0.001)
+            heard[name] = Text(text, f'/{name}', Moment(self._now))
+        self._inputs = replace(self._inputs, **heard)
+        return self._status.update(DOMAIN, self._inputs, read)
+
+
+def shown(situation: Situation) -> tuple[int, str, str]:
+    """Return the episode's number, why it began, and "ra" for a step running, one ahead."""
+    progress = ''.join(step.value[0] for step in situation.progress.steps)
+    return situation.number, situation.reason, progress[:6]
+
+
+@pytest.fixture
+def robot() -> Robot:
+    """A robot in the midst of its plan, as it told a while ago."""
+    robot = Robot()
+    robot.publish(problem=PROBLEM, progress=told(0), plan=PLAN)
+    robot.passes(5.0)
+    assert shown(robot.publish(progress=told(5))) == (1, 'first', 'dddddr')
+    robot.passes(1.5)
+    return robot
+
+
+BEGIN = {'problem': PROBLEM, 'progress': told(0), 'plan': PLAN}
+
+
+@pytest.mark.parametrize(
+    'order',
+    [['problem', 'progress', 'plan'], ['plan', 'progress', 'problem'], ['plan', 'progress']],
+)
+def test_a_plan_that_comes_again_with_its_first_progress_is_started_again(
+    robot: Robot, order: list[str]
+) -> None:
+    begun = {name: BEGIN[name] for name in order}
+
+    assert shown(robot.publish(**begun)) == (2, 'restarted', 'raaaaa')
+    robot.passes(5.0)
+    assert shown(robot.publish(progress=told(5))) == (2, 'restarted', 'dddddr')
+    robot.passes(5.0)
+    assert shown(robot.publish(**begun)) == (3, 'restarted', 'raaaaa')
+
+
+def test_so_it_is_where_the_plan_comes_behind_its_progress_or_there_was_none_meanwhile(
+    robot: Robot,
+) -> None:
+    with pytest.raises(InputError, match='was done, and is not any more'):
+        robot.publish(progress=told(0))
+    assert shown(robot.publish(plan=PLAN)) == (2, 'restarted', 'raaaaa')
+    robot.publish(progress=told(5))
+    with pytest.raises(NoPlanError):
+        robot.publish(plan='')
+    assert shown(robot.publish(**BEGIN)) == (3, 'restarted', 'raaaaa')
+
+
+def test_a_round_of_the_same_texts_is_one_more(robot: Robot) -> None:
+    robot.publish(progress='\n'.join(f'done: {line}' for line in LINES))
+
+    assert shown(robot.publish(**BEGIN)) == (2, 'again', 'raaaaa')
+
+
+def test_a_robot_that_repeats_its_plan_all_the_time_is_told_that_it_names_too_little(
+    robot: Robot,
+) -> None:
+    robot.publish(problem=PROBLEM, plan=PLAN)
+
+    assert shown(robot.publish(progress=told(6))) == (1, 'first', 'dddddd')
+    robot.publish(problem=PROBLEM, plan=PLAN)
+    with pytest.raises(InputError, match='was done, and is not any more'):
+        robot.publish(progress=f'running: {LINES[7]}')
