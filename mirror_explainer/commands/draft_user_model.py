@@ -12,10 +12,11 @@ from collections.abc import Sequence
 
 import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.commands.drafting.document import document
-from mirror_explainer.commands.drafting.facts import doubts
+from mirror_explainer.commands.drafting.facts import Doubts, doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
-from mirror_explainer.commands.drafting.patterns import World
+from mirror_explainer.commands.drafting.patterns import Pattern, World
 from mirror_explainer.commands.drafting.reach import within_reach
+from mirror_explainer.commands.drafting.task_lists import TaskList, read_task_lists
 from mirror_explainer.commands.drafting.words import drafted_names, drafted_words
 from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
@@ -25,12 +26,16 @@ from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.goals_seen import read_goals_seen
 from mirror_explainer.listener.preparation import RobotPlan, plan_for_robot, prepare, refine
+from mirror_explainer.listener.robot_tasks import DOMAIN, problem_text
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
 from mirror_explainer.settings import PlanningSettings, Question
 from mirror_explainer.text_files import read_text, write_text
 
+# Of more lists of tasks than this it is not told what the robot would answer.
+_MOST_TOLD = 6
+_SAYS = 'With this model, asked what it is up to, the robot says'
 _HEAD = """# A first user model, drafted by draft_user_model from the robot's own texts.
 # Check each part against what your listeners know, and what your robot does.
 """
@@ -38,12 +43,18 @@ _HEAD = """# A first user model, drafted by draft_user_model from the robot's ow
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; return 0, or 2 for bad input, told on stderr."""
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    texts = (options.domain, options.problem)
+    if options.tasks and any((*texts, options.plan, options.goals_seen)):
+        parser.error('--tasks goes without --domain, --problem, --plan and --goals-seen')
+    if not options.tasks and not all(texts):
+        parser.error('--domain and --problem are required, or --tasks')
     try:
         if options.output and os.path.isfile(options.output) and not options.force:
             cure = 'Name another one as --output, or write over it with --force.'
             raise InputError(options.output, 'there is such a file already', cure=cure)
-        text, answers = _draft(options)
+        text, answers = _of_task_lists(options) if options.tasks else _of_texts(options)
         if options.output:
             write_text(options.output, text)
             tell(answers, 'bold green')
@@ -60,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _draft(options: argparse.Namespace) -> tuple[str, str]:
+def _of_texts(options: argparse.Namespace) -> tuple[str, str]:
     """Return the user model's text, and what the robot would answer with it."""
     task = read_task(
         read_text(options.domain), read_text(options.problem), options.domain, options.problem
@@ -84,7 +95,46 @@ def _draft(options: argparse.Namespace) -> tuple[str, str]:
             drafted_names(task, words, plan.plan.actions),
             usual_rationality(plan.plan),
         )
-        answers = _answers(task, plan, text, planner, settings)
+        answers, warnings = _answers(task, plan, text, planner, settings)
+    return _headed(text, answers, warnings)
+
+
+def _of_task_lists(options: argparse.Namespace) -> tuple[str, str]:
+    """Return the same for a robot that has lists of tasks, and no PDDL."""
+    lists = read_task_lists(options.tasks)
+    settings = settings_from(PlanningSettings, options)
+    known = list(dict.fromkeys(task for each in lists for task in each.tasks))
+
+    def task_of(listed: TaskList) -> Task:
+        return read_task(DOMAIN, problem_text(known, (), f'(and {" ".join(listed.parts)})'))
+
+    task, steps = task_of(lists[0]), [f'(do {name})' for name in known]
+    words = drafted_words(task, steps)
+    names = drafted_names(task, words, steps)
+    found = [
+        Candidate(Pattern(each.parts), float(each.count), 1, f'in {options.tasks}', name=each.name)
+        for each in lists
+    ]
+    no_doubts = Doubts((), (), 0, True)
+    text = document(found, no_doubts, frozenset(), words, names, rationality=1.0)
+    told: list[str] = []
+    warnings: list[str] = []
+    with Planner.of(settings) as planner:
+        for candidate, each in zip(found[:_MOST_TOLD], lists, strict=False):
+            name = each.name or names.of(candidate.pattern.parts) or candidate.pattern.goal
+            plan = robot_plan(task_of(each), '\n'.join(each.plan))
+            answers, more = _answers(task_of(each), plan, text, planner, settings)
+            warnings += more
+            told.append(answers.replace(_SAYS, f'{_SAYS} of "{name}"'))
+    if len(lists) > _MOST_TOLD:
+        told.append(f'(likewise of {len(lists) - _MOST_TOLD} more)')
+    return _headed(text, '\n'.join(told), warnings)
+
+
+def _headed(text: str, answers: str, warnings: Sequence[str]) -> tuple[str, str]:
+    """Return the document with what the robot would answer before it; tell warnings."""
+    for warning in dict.fromkeys(warnings):
+        tell_warning('draft_user_model', warning)
     commented = ''.join(f'# {line}'.rstrip() + '\n' for line in answers.split('\n'))
     return f'{_HEAD}#\n{commented}\n{text}', answers
 
@@ -131,11 +181,14 @@ def _examples(
 
 def _answers(
     task: Task, plan: RobotPlan, text: str, planner: Planner, settings: PlanningSettings
-) -> str:
-    """Return what the robot would answer with the model, with one to three sentences."""
+) -> tuple[str, tuple[str, ...]]:
+    """Return what the robot would answer with the model, with one to three sentences.
+
+    And what there is to warn of.
+    """
     user_model = read_user_model('the drafted user model', task, read=lambda _: text)
     preparation = refine(prepare(task, plan, user_model, settings), planner)
-    lines = ['With this model, asked what it is up to, the robot says']
+    lines = [_SAYS]
     for n in (1, 2, 3):
         explanation = explain(preparation, Question(n=n))
         if n > 1 and explanation.n < n:
@@ -145,7 +198,7 @@ def _answers(
         lines.append(f'  (its goal is then found {explanation.understanding:.0%} likely)')
         if others := _as_telling(explanation):
             lines.append(f'  (as telling in the place of one: {" ".join(others)})')
-    return '\n'.join(lines)
+    return '\n'.join(lines), preparation.warnings
 
 
 def _as_telling(explanation: Explanation) -> list[str]:
@@ -171,10 +224,11 @@ def _parser() -> argparse.ArgumentParser:
         "Draft a user model from a robot's domain, problem and plan.",
         command,
         f'{command} --plan plan.txt --goals-seen goals.txt --output user_model.yaml',
+        'python3 -m mirror_explainer.draft_user_model --tasks tasks.txt --output user_model.yaml',
     )
     files = parser.add_argument_group('input')
-    files.add_argument('--domain', required=True, help='PDDL domain')
-    files.add_argument('--problem', required=True, help="PDDL problem: the robot's state and goal")
+    files.add_argument('--domain', help='PDDL domain')
+    files.add_argument('--problem', help="PDDL problem: the robot's state and goal")
     files.add_argument('--plan', help="the robot's plan; planned for if left out")
     files.add_argument(
         '--goals-seen',
@@ -183,6 +237,13 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         metavar='FILE',
         help='goals that the robot had before, as the node counts them, or one a line',
+    )
+    files.add_argument(
+        '--tasks',
+        metavar='FILE',
+        help='of a robot without PDDL: what it may be told to do, a list of tasks a line, such as '
+        '"serve tea: drive to the kitchen, boil water, bring the tea"; or the goals that the node '
+        'counted',
     )
     add_settings(parser.add_argument_group('planning'), PlanningSettings)
     output = parser.add_argument_group('output')

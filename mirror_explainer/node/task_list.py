@@ -7,13 +7,18 @@ the domain of `config/tasks`, where a task is something that gets done, this is 
 import re
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import NamedTuple
 
-from ament_index_python.packages import get_package_share_directory
 from rclpy.node import Node
 
 from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.listener.robot_tasks import (
+    DOMAIN,
+    named_tasks,
+    problem_text,
+    spelling,
+    task_name,
+)
 from mirror_explainer.node.behaviour_tree import (
     Kinds,
     ToldTask,
@@ -29,7 +34,6 @@ STANDINGS = ('ahead', 'running', 'done', 'skipped', 'failed')
 REASONED = ('skipped', 'failed')  # with these may go a reason
 _TOLD = re.compile(r'([^\W\d_]+)\s*:\s*(.*)')  # a word before a colon, and the rest
 _BECAUSE = re.compile(r'\s+because\b:?\s*', re.IGNORECASE)
-_NEVER = 'never_told'  # a task that is never done
 
 
 class _Task(NamedTuple):
@@ -58,7 +62,7 @@ class TaskList:
 
     def __init__(self, node: Node, known: Iterable[str] = (), user_model_file: str = '') -> None:
         named = named_tasks(read_text(user_model_file)) if user_model_file else ()
-        self._known = _spelling([*named, *known])
+        self._known = spelling([*named, *known])
         self._goal = ''
         self._list: list[_Task] = []  # as it was told last, with these ends
         self._ends: Collection[str] = ()
@@ -66,8 +70,7 @@ class TaskList:
         self._tree: TreeNode | None = None  # that has been ticked
         self._tree_tasks: list[ToldTask] = []  # as they were told last
         self._topics = RobotTopics(node)
-        share = Path(get_package_share_directory('mirror_explainer'))
-        self._topics.tell(domain=(share / 'config' / 'tasks' / 'domain.pddl').read_text())
+        self._topics.tell(domain=DOMAIN)
 
     def tell(
         self, tasks: Iterable[ToldTask], ends: Collection[str] = (), reason: str = ''
@@ -155,7 +158,7 @@ class TaskTexts(NamedTuple):
 def task_texts(tasks: Iterable[ToldTask], ends: Collection[str] = ()) -> TaskTexts:
     """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
     told = [_checked(task) for task in tasks]
-    names = _spelling(task.name for task in told)
+    names = spelling(task.name for task in told)
     named = [task._replace(name=task_name(task.name).lower()) for task in told]
     for end in ends:
         if task_name(end).lower() not in names:
@@ -172,25 +175,6 @@ def task_texts(tasks: Iterable[ToldTask], ends: Collection[str] = ()) -> TaskTex
             if task.standing != 'ahead'
         ),
     )
-
-
-def problem_text(known: Collection[str], done: Collection[str], goal: str) -> str:
-    """Return the problem in which these tasks are known, and these done.
-
-    A robot that never had a goal has one here that no plan will reach: it is not done.
-    """
-    if not goal:
-        known, goal = [*known, _NEVER], f'(done {_NEVER})'
-    facts = ' '.join(f'(done {name})' for name in sorted(done))
-    return (
-        f'(define (problem tasks) (:domain tasks)\n  (:objects {" ".join(sorted(known))} - task)\n'
-        f'  (:init {facts})\n  (:goal {goal}))\n'
-    )
-
-
-def named_tasks(user_model: str) -> list[str]:
-    """Return the tasks that a user model's text names, as in `(done boil_water)`."""
-    return re.findall(r'\(\s*done\s+([^\s(){}]+)\s*\)', user_model, re.IGNORECASE)
 
 
 def parsed_tasks(text: str) -> list[ToldTask]:
@@ -218,14 +202,6 @@ def parsed_tasks(text: str) -> list[ToldTask]:
         task, *reason = _BECAUSE.split(task, 1) if standing in REASONED else [task]
         tasks.append((task, standing, reason[0]) if reason else (task, standing))
     return tasks
-
-
-def task_name(task: str) -> str:
-    """Return a task's name in PDDL, `Fetch_the_cup`, where capitals do not count."""
-    name = re.sub(r'\W+', '_', task).strip('_')
-    if not name:
-        raise InputError('tasks', f'a task needs a name, which "{task}" is not')
-    return name if name[0].isalpha() else f'task_{name}'
 
 
 def _checked(given: object) -> _Task:
@@ -282,11 +258,6 @@ def _reasoned(tasks: list[_Task], reason: str) -> list[_Task]:
 def _because(reason: str) -> str:
     words = reason.replace(';', ',').split()  # a semicolon would begin a comment
     return ' '.join(['', 'because', *words]) if words else ''
-
-
-def _spelling(tasks: Iterable[str]) -> dict[str, str]:
-    """Return the tasks' names by name in lower case; of several spellings the last."""
-    return {name.lower(): name for name in map(task_name, tasks)}
 
 
 def _no_task(end: str, tasks: Iterable[str]) -> InputError:

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 import yaml
@@ -10,6 +11,7 @@ from mirror_explainer.commands.draft_user_model import main
 from mirror_explainer.commands.drafting.goals import MOST_CANDIDATES, MOST_LIFTED, candidates
 from mirror_explainer.commands.drafting.patterns import MOST_CHOICES, Pattern, World
 from mirror_explainer.commands.verbalize import main as verbalize
+from mirror_explainer.listener.robot_tasks import problem_text
 from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import read_task
 
@@ -487,3 +489,85 @@ def test_of_a_list_of_tasks_none_is_exchanged_for_another(tmp_path):
         'dry_the_cup': 'dry the cup',
         'park_in_the_garage': 'park in the garage',
     }
+
+
+LISTS = """# what it does
+serve tea: drive to the kitchen, boil water, bring the tea
+tidy up: Drive to the kitchen, collect the cups, wipe table #3
+
+Bring the tea, boil water, drive to the kitchen
+Tür öffnen
+"""
+
+
+def test_lists_of_tasks_are_the_candidates_and_the_draft_is_taken_as_it_stands(tmp_path, capsys):
+    (tmp_path / 'tasks.txt').write_text(LISTS)
+
+    _, model = drafted(['--tasks', f'{tmp_path}/tasks.txt'], tmp_path)
+    told = capsys.readouterr()
+    (tmp_path / 'problem.pddl').write_text(
+        problem_text(model['objects'], (), model['goals'][0]['goal'])
+    )
+    steps = ('drive_to_the_kitchen', 'boil_water', 'bring_the_tea')
+    (tmp_path / 'plan.txt').write_text('\n'.join(f'(do {step})' for step in steps))
+    files = ['--domain', str(TASKS), '--problem', f'{tmp_path}/problem.pddl']
+    files += ['--plan', f'{tmp_path}/plan.txt', '--user-model', f'{tmp_path}/draft.yaml']
+    assert verbalize([*files, '-n', '1']) == 0
+
+    assert [(goal['name'], goal['probability']) for goal in model['goals']] == [
+        ('serve tea', 2.0),  # the third list has the same tasks
+        ('tidy up', 1.0),
+        ('tür öffnen', 1.0),
+    ]
+    assert model['goals'][1]['goal'] == (
+        '(and (done drive_to_the_kitchen) (done collect_the_cups) (done wipe_table_3))'
+    )
+    assert 'the robot says of "tidy up"\nwith one sentence:\n  I will wipe table 3.' in told.out
+    assert '"tür öffnen" does not begin with an English verb' in told.err
+    assert capsys.readouterr().out.startswith('I will bring the tea.\n')
+
+
+def test_lists_of_tasks_make_what_the_page_says(warehouse, tmp_path, capsys):
+    page = (warehouse.parents[1] / 'docs' / 'behaviour_trees.md').read_text()
+    lists, answers = (
+        dedent(re.search(rf'{words}\n\n((?:    .*\n)+)', page)[1])
+        for words in ('expected more often.', 'would answer:')
+    )
+    (tmp_path / 'tasks.txt').write_text(lists)
+    assert main(['--tasks', f'{tmp_path}/tasks.txt', '--output', f'{tmp_path}/draft.yaml']) == 0
+    assert capsys.readouterr().out.startswith(answers)
+
+
+def test_goals_that_the_node_counted_of_lists_of_tasks_are_enough_for_a_draft(tmp_path):
+    seen = '(and (done boil_water) (done bring_the_tea)): 12\n  (done Wipe_the_table): 3\n'
+    (tmp_path / 'seen.yaml').write_text(f'goals_seen:\n  {seen}')
+
+    _, model = drafted(['--tasks', f'{tmp_path}/seen.yaml'], tmp_path)
+
+    assert {goal['name']: goal['probability'] for goal in model['goals']} == {
+        'boil water and bring the tea': 12.0,
+        'wipe the table': 3.0,
+    }
+
+
+@pytest.mark.parametrize(
+    ('text', 'told'),
+    [
+        ('# none\n', 'there is no list of tasks in it'),
+        ('boil water\nserve tea: ,\n', 'line 2: "serve tea: ," names no task'),
+        ('boil water, !\n', 'line 1: a task needs a name, which "!" is not'),
+    ],
+)
+def test_what_is_no_list_of_tasks_is_told_with_an_example(text, told, tmp_path, capsys):
+    (tmp_path / 'tasks.txt').write_text(text)
+    assert main(['--tasks', f'{tmp_path}/tasks.txt']) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert '"serve tea: drive to the kitchen, boil water, bring the tea"' in error
+
+
+@pytest.mark.parametrize('options', [['--tasks', 'a', '--plan', 'b'], ['--domain', 'a'], []])
+def test_either_lists_of_tasks_or_a_domain_and_a_problem_are_needed(options, capsys):
+    with pytest.raises(SystemExit):
+        main(options)
+    assert '--tasks' in capsys.readouterr().err.splitlines()[-1]

@@ -13,13 +13,11 @@ from task_robot import robot_of
 from test_live_explainer import operator
 
 from mirror_explainer.errors import InputError
+from mirror_explainer.listener.robot_tasks import DOMAIN, named_tasks, problem_text, task_name
 from mirror_explainer.node.robot_topics import RobotTopics
 from mirror_explainer.node.task_list import (
     TaskList,
-    named_tasks,
     parsed_tasks,
-    problem_text,
-    task_name,
     task_texts,
 )
 from mirror_explainer.pddl import read_task
@@ -66,10 +64,13 @@ def test_a_task_that_comes_twice_is_twice_in_the_plan_and_once_in_the_goal():
         ('3rd round', 'task_3rd_round'),
     ],
 )
-def test_a_name_is_what_pddl_takes(task, name, warehouse):
+def test_a_name_is_what_pddl_takes(task, name):
     assert task_name(task) == name
-    domain = (warehouse.parent / 'tasks' / 'domain.pddl').read_text()
-    read_task(domain, problem_text({name}, {name}, f'(and (done {name}))'))
+    read_task(DOMAIN, problem_text({name}, {name}, f'(and (done {name}))'))
+
+
+def test_the_domain_in_the_files_is_the_one_that_is_published(warehouse):
+    assert (warehouse.parent / 'tasks' / 'domain.pddl').read_text() == DOMAIN
 
 
 def test_a_task_without_a_name_and_a_standing_that_there_is_not_are_refused():

@@ -38,7 +38,7 @@ def _goals(candidates: Sequence[Candidate], names: GoalNames) -> str:
     ]
     last = ''
     for candidate in candidates:
-        name = names.of(candidate.pattern.parts)
+        name = candidate.name or names.of(candidate.pattern.parts)
         entry: dict[str, object] = {'name': name} if name else {}
         entry['goal'] = candidate.pattern.goal
         if candidate.pattern.types:

@@ -19,6 +19,7 @@ class Candidate:
     """A pattern, how often goals of this form are expected, and how many it stands for.
 
     `why` says where it comes from, `left_out` why it is only proposed, '' if it is taken.
+    `name` is what a person calls it, '' if none did.
     """
 
     pattern: Pattern
@@ -26,6 +27,7 @@ class Candidate:
     count: int
     why: str
     left_out: str = ''
+    name: str = ''
 
 
 def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> list[Candidate]:
