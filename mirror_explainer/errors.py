@@ -30,16 +30,24 @@ class InputError(ValueError):
 
     `source` names the file or topic, `line` is counted from 1 (None where no
     single line is to blame), and `reason` is one plain sentence; both as `one_line`.
-    `cure` says what to do about it, where the reason does not make that plain.
+    `cure` says what to do about it, where the reason does not make that plain. `brief` is
+    what whoever asks is told where the reason is long, '' where it is not.
     """
 
     def __init__(
-        self, source: str, reason: str, line: int | None = None, *, cure: str = ''
+        self,
+        source: str,
+        reason: str,
+        line: int | None = None,
+        *,
+        cure: str = '',
+        brief: str = '',
     ) -> None:
         self.source = one_line(source)
         self.reason = one_line(reason)
         self.line = line
         self.cure = cure
+        self.brief = brief
         place = self.source if line is None else f'{self.source}, line {line}'
         super().__init__(f'{place}: {self.reason}')
 

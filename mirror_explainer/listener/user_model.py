@@ -11,7 +11,6 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.listeners import LISTENERS, OPEN, Listener
 from mirror_explainer.listener.patterns import written_out
@@ -30,8 +29,8 @@ from mirror_explainer.listener.user_model_file import (
     SentenceEntry,
     Tenses,
     UserModelFile,
+    faults_error,
     parse_yaml,
-    report,
     schema_fault,
     text_faults,
 )
@@ -95,7 +94,7 @@ def read_user_model(
     data = plain.data
     faults = [*text_faults(root), *plain.faults]
     if plain.faults:  # the rest of the file speaks of what these stand for
-        raise InputError(source, *report(faults, root))
+        raise faults_error(source, faults, root)
     try:
         file: UserModelFile | None = UserModelFile.model_validate(data)
     except ValidationError as error:
@@ -115,7 +114,7 @@ def read_user_model(
         faults += sentence_faults(data, actions, {kind.name for kind in task.model.user_types})
     faults += phrase_text_faults(data)
     if faults or file is None:
-        raise InputError(source, *report(faults, root))
+        raise faults_error(source, faults, root)
     return _user_model(file, goals)
 
 

@@ -289,16 +289,20 @@ def _schema_reason(detail: Mapping[str, Any]) -> str:
     return str(detail['msg']).replace('Input should be', 'this should be')
 
 
-def report(faults: Sequence[Fault], root: yaml.Node) -> tuple[str, int | None]:
-    """Return all faults as one sentence in the order of the file, and the line of a single one."""
+def faults_error(source: str, faults: Sequence[Fault], root: yaml.Node) -> InputError:
+    """Return one error with all faults in the order of the file; in brief, the first of them."""
     known: _Pairs = {}
     lines = sorted(
         {(fault.line or _line(root, fault.path, known), _named(fault)) for fault in faults}
     )
-    if len(lines) == 1:
-        return lines[0][1], lines[0][0]
+    (line, reason), *others = lines
+    first = InputError(source, reason, line)
+    if not others:
+        return first
     listed = '; '.join(f'line {line}: {reason}' for line, reason in lines)
-    return f'{len(lines)} faults: {listed}', None
+    more = f'{len(others)} more {"fault" if len(others) == 1 else "faults"}'
+    brief = f'{first}; and {more}: see the log or /diagnostics'
+    return InputError(source, f'{len(lines)} faults: {listed}', brief=brief)
 
 
 def _named(fault: Fault) -> str:

@@ -88,7 +88,9 @@ class InputReader:
             return Readiness(Phase.WAITING, str(error), cure=error.cure, spoken=spoken)
         except InputError as error:
             cure = error.cure or _CORRECT
-            return Readiness(Phase.ERROR, str(error), cure=cure, blamed=error.source)
+            return Readiness(
+                Phase.ERROR, str(error), cure=cure, blamed=error.source, spoken=error.brief
+            )
         except Cancelled:
             raise
         except Exception as error:  # the node must outlive a fault of ours

@@ -259,11 +259,15 @@ def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(
     user_model.write_text('goals:\n  - goal: (holding nothing)\n  - goal: (outside red_cube)\n')
     served.set(user_model_file=str(user_model))
     reason = served.refusal()
+    diagnosed = served.explainer.diagnose({}, 0).message
     user_model.write_text(Path(USER_MODEL).read_text())
 
-    assert '2 faults' in reason
-    assert 'line 2' in reason
-    assert 'line 3' in reason
+    assert reason == (
+        f'{user_model}, line 2: goals[0].goal: the problem has no object '
+        '"nothing"; and 1 more fault: see the log or /diagnostics'
+    )
+    assert f'{user_model}: 2 faults: line 2: ' in diagnosed
+    assert 'line 3: ' in diagnosed
     assert served.answer() == THREE_SENTENCES
 
 

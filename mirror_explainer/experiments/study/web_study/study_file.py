@@ -9,13 +9,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.errors import did_you_mean
 from mirror_explainer.experiments.study.plans import LEAST_SCENARIOS
 from mirror_explainer.experiments.study.web_study.texts import LANGUAGES
 from mirror_explainer.listener.user_model_file import (
     Fault,
+    faults_error,
     parse_yaml,
-    report,
     schema_fault,
     text_faults,
 )
@@ -104,7 +104,7 @@ def read_study_file(path: Path) -> StudyFile:
     faults += _language_faults(data)
     faults += _question_faults(data)
     if faults or study is None:
-        raise InputError(source, *report(faults, root))
+        raise faults_error(source, faults, root)
     return study
 
 
