@@ -64,15 +64,17 @@ def peer(ros: None) -> Iterator[object]:
 
 # The files that take longest, for half a minute and more, or wait for most of their time.
 LONGEST = (
+    'test_operator_page.py',
     'test_study_browser.py',
     'test_explainer_node.py',
-    'test_operator_page.py',
-    'test_faults_robot.py',
-    'test_study_load.py',
-    'test_explainer_node_seen.py',
-    'test_study_people.py',
+    'test_plansys2_explained.py',
     'test_planning_processes.py',
+    'test_faults_robot.py',
+    'test_study_people.py',
+    'test_explainer_node_seen.py',
+    'test_faults_files.py',
     'test_faults_planner.py',
+    'test_study_load.py',
     'test_faults_disk.py',
     'test_drafted_robots.py',
     'test_experiments_planning.py',
@@ -80,7 +82,6 @@ LONGEST = (
     'test_experiments_user_study.py',
     'test_updates.py',
     'test_plansys2_bridge.py',
-    'test_plansys2_explained.py',
 )
 
 

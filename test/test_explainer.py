@@ -32,7 +32,7 @@ LISTENERS = ('open', 'planner')
 
 def asked(**named: object) -> Question:
     """The question with as much time to choose as it takes."""
-    return Question(**{'selection_budget': 1.0, **named})
+    return Question(**{'selection_budget': 10.0, **named})
 
 
 @pytest.fixture(scope='module')

@@ -45,8 +45,7 @@ def test_a_robot_of_ones_own_domain_publishes_its_own_texts_with_each_state(
         eventually(lambda: '' in plans, 'the end of the plan')
         eventually(lambda: '(lit blue)' in problems[-1], 'the last state')
         last = problems[-1]
-        restart = peer.node.create_client(Trigger, 'warehouse_robot/restart')
-        assert restart.wait_for_service(PATIENCE)
+        restart = peer.client(Trigger, 'warehouse_robot/restart', of='warehouse_robot')
         plans.clear()
         assert Call(restart.call_async(Trigger.Request())).result().success
         eventually(lambda: plans[:1] == [PLAN] and '' in plans, 'the end of it once more')
@@ -80,8 +79,7 @@ def test_a_robot_may_tell_its_progress_and_begins_again_wherever_it_is(
     robot = files(tmp_path, PLAN)
     parameters = {'step_period': 0.5, 'tell_progress': True, **robot}
     with running('warehouse_robot', peer.node.get_namespace(), tmp_path, **parameters):
-        restart = peer.node.create_client(Trigger, 'warehouse_robot/restart')
-        assert restart.wait_for_service(PATIENCE)
+        restart = peer.client(Trigger, 'warehouse_robot/restart', of='warehouse_robot')
         eventually(lambda: told[1] in progress, 'the second step')
         assert Call(restart.call_async(Trigger.Request())).result().success
         eventually(

@@ -9,6 +9,8 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
 import rclpy
+from patience import eventually
+from rcl_interfaces.srv import ListParameters
 from rclpy.client import Client
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -120,12 +122,26 @@ def _serve(orders: Connection, namespace: str, clients: int) -> None:
                 node.create_client(Trigger, order.service, qos_profile=MANY_CALLS)
                 for _ in range(clients)
             ]
+            _wait_until_known(node, executor)
         chosen = known[order.service][: order.clients]
         for client in chosen:
             assert client.wait_for_service(PATIENCE), f'{order.service} is not served'
         orders.send(_Round(order).run(chosen, executor))
     node.destroy_node()
     rclpy.try_shutdown()
+
+
+def _wait_until_known(node: Node, executor: SingleThreadedExecutor) -> None:
+    """Wait until the explainer knows all clients made so far, as `ros_peer.Peer.client` does."""
+    client = node.create_client(ListParameters, 'mirror_explainer/list_parameters')
+    assert client.wait_for_service(PATIENCE)
+
+    def is_answered() -> bool:
+        future = client.call_async(ListParameters.Request())
+        executor.spin_until_future_complete(future, timeout_sec=1.0)
+        return future.done()
+
+    eventually(is_answered, 'a reply to a new client')
 
 
 class _Round:

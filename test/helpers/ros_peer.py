@@ -102,20 +102,25 @@ class Peer:
 
     def start_call(self, service: str = 'verbalize_plan') -> 'Call':
         if service not in self._clients:
-            self._clients[service] = self.node.create_client(Trigger, service)
-            assert self._clients[service].wait_for_service(PATIENCE), f'{service} is not served'
-            self._wait_until_known()
+            self._clients[service] = self.client(Trigger, service)
         client = self._clients[service]
         assert client.wait_for_service(PATIENCE), f'{service} is not served'
         return Call(client.call_async(Trigger.Request()))
 
-    def _wait_until_known(self) -> None:
-        """Wait until the explainer knows the clients made so far: to others it sends no reply.
+    def client(self, kind: type, service: str, of: str = '') -> rclpy.client.Client:
+        """Return a client for a service of a node, by default the explainer, which knows it."""
+        client = self.node.create_client(kind, service)
+        assert client.wait_for_service(PATIENCE), f'{service} is not served'
+        self._wait_until_known(of or self.explainer)
+        return client
+
+    def _wait_until_known(self, node: str) -> None:
+        """Wait until a node knows the clients made so far: to others it sends no reply.
 
         Clients become known in the order in which they were made, so one more is made here,
         which calls until it gets a reply.
         """
-        client = self.node.create_client(ListParameters, f'{self.explainer}/list_parameters')
+        client = self.node.create_client(ListParameters, f'{node}/list_parameters')
         assert client.wait_for_service(PATIENCE)
         eventually(
             lambda: Call(client.call_async(ListParameters.Request())).ends_within(1.0),
@@ -144,7 +149,7 @@ class Peer:
         if self._parameters is None:
             self._parameters = AsyncParameterClient(self.node, self.explainer)
             assert self._parameters.wait_for_services(PATIENCE)
-            self._wait_until_known()
+            self._wait_until_known(self.explainer)
         parameters = [Parameter(name, value=value) for name, value in values.items()]
         results = Call(self._parameters.set_parameters(parameters)).result().results
         return [(result.successful, result.reason) for result in results]

@@ -48,8 +48,7 @@ def node(peer: Peer, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Proce
 
 def set_level(peer: Peer, level: int) -> None:
     """Set the level of the node's log while it runs."""
-    client = peer.node.create_client(SetLoggerLevels, f'{peer.explainer}/set_logger_levels')
-    assert client.wait_for_service(PATIENCE)
+    client = peer.client(SetLoggerLevels, f'{peer.explainer}/set_logger_levels')
     name = peer.explainer.lstrip('/').replace('/', '.')
     request = SetLoggerLevels.Request(levels=[LoggerLevel(name=name, level=level)])
     (result,) = Call(client.call_async(request)).result().results

@@ -23,7 +23,7 @@ from mirror_explainer.planning import Belief, BeliefPlans, BeliefSpace, Plan, Pl
 @pytest.fixture(scope='module', params=[True, False], ids=['grounded once', 'one by one'])
 def planner(request: pytest.FixtureRequest) -> Iterator[Planner]:
     """Let tests plan in both ways, with time for a machine that is busy with other tests."""
-    with Planner('fast-downward-opt', shortcuts=request.param, planning_timeout=60.0) as planner:
+    with Planner(workers=1, shortcuts=request.param, planning_timeout=60.0) as planner:
         yield planner
 
 
