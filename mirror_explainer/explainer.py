@@ -6,6 +6,7 @@ with as much planning as there was time for.
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 from mirror_explainer.errors import InputError, NoPlanError, did_you_mean
 from mirror_explainer.input_limits import InputLimits
@@ -69,8 +70,9 @@ def explain(
     """Choose what to say.
 
     `said` are sentences that the listener has heard, from `said_source`, and `last_episode`
-    the number of the episode that the last answer was about, if there was one. Raises
-    InputError for a sentence that is not in the plan.
+    the number of the episode that the last answer was about, if there was one. What was left
+    out for a reason is told in each answer: it is one of the sentences that were asked for, but
+    one more is chosen in any case. Raises InputError for a sentence that is not in the plan.
     """
     started = time.perf_counter()
     question = question or Question()
@@ -82,7 +84,8 @@ def explain(
     first = not known
     if not question.tell_past:
         known |= {*_past(preparation, model)}
-    selection = _selection(model, question, sorted(known), first)
+    left = replace(question, n=max(1, question.n - len(preparation.excused)))
+    selection = _selection(model, left, sorted(known), first)
     return Explanation(
         preparation,
         model,

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from mirror_explainer.commands.verbalize import main
+from mirror_explainer.node.task_list import named_tasks, problem_text
 
 DOMAIN = """
 (define (domain kitchen)
@@ -152,6 +153,10 @@ def test_a_step_that_was_skipped_for_a_reason_is_told_whatever_tells_more(verbal
     assert verbalize(AT_START, '-n', '1', progress=skipped).startswith(
         f'{why}I will take the cake.\n\n'
     )
+    # It is one of those that were asked for.
+    assert verbalize(AT_START, '-n', '2', '--strategy', 'increasing', progress=skipped).startswith(
+        f'I have driven to the sink.\n{why}\n'
+    )
     going_on = f'{skipped}running: (drive sink oven)'
     assert verbalize(AT_START, '--no-tell-past', progress=going_on).startswith(
         f'{why}I am driving to the oven.\nI will take the cake.\n\n'
@@ -166,3 +171,29 @@ def test_progress_that_names_no_step_is_refused(verbalize) -> None:
     told = verbalize(AT_START, progress='done: (fly dock sink)')
 
     assert 'line 1: (fly dock sink) is no step of the plan' in told
+
+
+def test_what_is_told_to_be_done_was_done_by_this_plan_also_where_the_state_has_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tasks = Path(__file__).parents[2] / 'config' / 'tasks'
+    steps = ['(do drive_to_the_kitchen)', '(do boil_water)', '(do bring_the_tea)']
+    done = ' '.join(step.replace('do', 'done') for step in steps)
+    known = {*named_tasks((tasks / 'user_model.yaml').read_text())}
+    texts = {
+        'problem': problem_text(known, {'drive_to_the_kitchen', 'boil_water'}, f'(and {done})'),
+        'plan': '\n'.join(steps),
+        'progress': f'done: {steps[0]}\ndone: {steps[1]}',
+    }
+    given = [
+        '--domain',
+        str(tasks / 'domain.pddl'),
+        '--user-model',
+        str(tasks / 'user_model.yaml'),
+    ]
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+        given += [f'--{name}', str(tmp_path / name)]
+
+    assert main(given) == 0
+    assert capsys.readouterr().out.startswith('I have boiled water.\nI will bring the tea.\n\n')
