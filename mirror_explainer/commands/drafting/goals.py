@@ -35,9 +35,9 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
 
     `own` are the parts of the robot's goal, which counts as seen once more where others
     were seen; `seen` are goals with how often. A goal that is new is expected as often as one
-    was: once for each different goal, of its form (Witten and Bell's estimate), and once
-    for each form (Laplace's). The own goal with a part less, if it is new, counts as seen once
-    where its form was seen. Raises InputError for a goal that is none of the task's.
+    was: once for each different goal, of its form (Witten and Bell's estimate). The own
+    goal with a part less, if it is new, counts as seen once where its form was seen. Raises
+    InputError for a goal that is none of the task's.
     """
     often = {tuple(own): 1}
     for goal, count in seen.items():
@@ -61,7 +61,7 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     these = 'these' if lifted == frequent else f'the {MOST_LIFTED} most frequent of these'
     for parts in lifted:
         why = f'like {these}' if seen else 'like its own'
-        _add(world, found, like[parts], why, weight=1.0, first=1.0)
+        _add(world, found, like[parts], why, weight=1.0)
     for parts in lifted:
         for fewer in less[parts]:
             _add(world, found, world.like(fewer), 'with a part less', _NEARLY / len(parts))
@@ -95,12 +95,11 @@ def _add(
     patterns: Sequence[Pattern],
     why: str,
     weight: float,
-    first: float = 0.0,
 ) -> None:
     """Add patterns, which share the weight.
 
     Of two that are alike, where one stands for all goals of the other, the wider one gets the
-    weights of both; `first` is for those that are the first of their form.
+    weights of both.
     """
     for pattern in patterns:
         share = weight / len(patterns)
@@ -111,7 +110,7 @@ def _add(
         narrower = [known for known in found if known.types and world.stands_for(pattern, known)]
         absorbed = [found.pop(known) for known in narrower]
         reason = absorbed[0][1] if absorbed else why
-        share += sum(before for before, _ in absorbed) if absorbed else first / len(patterns)
+        share += sum(before for before, _ in absorbed)
         found[pattern] = (share, reason)
 
 
