@@ -59,9 +59,10 @@ def diagnose(
         message = f'{readiness.message}; the last update failed: {message}'
     elif working:
         message, cure = readiness.message, ''
-    if crowd := crowded(surroundings.publishers):
+    others = surroundings.others
+    for fault in filter(None, (crowded(others.publishers), _unreliable(others.unreliable))):
         level = max(level, Level.WARN)
-        message, cure = f'{message}; {crowd[0]}', f'{crowd[1]} {cure}'.strip()
+        message, cure = f'{message}; {fault[0]}', f'{fault[1]} {cure}'.strip()
     since = history.since if readiness.phase is history.outcome.phase else readiness.since
     values = {
         'state': readiness.phase.value,
@@ -71,8 +72,8 @@ def diagnose(
         **_last_error(history, now),
         'inputs': readiness.inputs.digest,
         **_ages(inputs, surroundings, now),
-        'other servers of verbalize_plan': str(surroundings.rivals),
-        **{f'publishers of {n}': str(len(by)) for n, by in surroundings.publishers.items()},
+        'other servers of verbalize_plan': str(others.rivals),
+        **{f'publishers of {n}': str(len(by)) for n, by in others.publishers.items()},
         **_work(readiness, history, answer),
         'MiB of node': f'{surroundings.node_memory / 2**20:.0f}',
         'MiB of planners': f'{surroundings.planner_memory / 2**20:.0f}',
@@ -89,8 +90,8 @@ def _verdict(
         return Level.ERROR, readiness.message, readiness.cure
     if readiness.preparation is None:
         return Level.WARN, *_what_is_waited_for(readiness, surroundings, now)
-    if surroundings.rivals:
-        message, cure = rivalry(surroundings.rivals)
+    if surroundings.others.rivals:
+        message, cure = rivalry(surroundings.others.rivals)
         return Level.WARN, f'{readiness.message}, but {message}', cure
     model = readiness.preparation.model
     if silent := _silent(readiness.inputs, surroundings):
@@ -122,10 +123,16 @@ def _what_is_waited_for(
     readiness: Readiness, surroundings: Surroundings, now: Moment
 ) -> tuple[str, str]:
     """Return the message without an explanation, and the cure."""
+    others, inputs = surroundings.others, readiness.inputs
+    if others.elsewhere and not (inputs.problem or inputs.plan):
+        there = some_of([f'{place}plan' for place in others.elsewhere])
+        cure = f'There is {there}: is this node to be in that namespace (-r __ns:=…)? '
+        return readiness.message, cure + readiness.cure
     unheard = [
         name
-        for name, heard in (('problem', readiness.inputs.problem), ('plan', readiness.inputs.plan))
-        if heard is None and surroundings.publishers.get(name)
+        for name, heard in (('problem', inputs.problem), ('plan', inputs.plan))
+        if heard is None
+        and {*others.publishers.get(name, ())}.difference(others.unreliable.get(name, ()))
     ]
     if not unheard or now.seconds_since(readiness.since) < _ARRIVAL_SECONDS:
         return readiness.message, readiness.cure
@@ -139,7 +146,7 @@ def _what_is_waited_for(
 def _silent(inputs: Inputs, surroundings: Surroundings) -> list[str]:
     """Return the topics on which the robot told what it does, and nobody publishes now."""
     told = {'problem': inputs.problem, 'plan': inputs.plan, 'progress': inputs.progress}
-    return [n for n, text in told.items() if text and surroundings.publishers.get(n) == ()]
+    return [n for n, text in told.items() if text and surroundings.others.publishers.get(n) == ()]
 
 
 def crowded(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
@@ -156,6 +163,19 @@ def crowded(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
         'they tell is mixed',
         'Of two robots give each a namespace or ROS_DOMAIN_ID of its own; of one robot let one '
         'node publish a topic. One that was killed is forgotten after 20 s.',
+    )
+
+
+def _unreliable(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
+    """Return what is wrong where nodes publish an input as best effort, and the cure."""
+    topics = [name for name, nodes in publishers.items() if nodes]
+    if not topics:
+        return None
+    nodes = sorted({node for name in topics for node in publishers[name]})
+    return (
+        f'{some_of(nodes)} publishes {" and ".join(topics)} as best effort, which is not heard '
+        'here',
+        'Publish it reliably (QoS reliability: reliable).',
     )
 
 

@@ -24,7 +24,7 @@ from rclpy.executors import Executor, ExternalShutdownException, MultiThreadedEx
 from rclpy.logging import LoggingSeverity, get_logging_directory
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -43,6 +43,7 @@ from mirror_explainer.node.parameters import (
 from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.ros_log import RosLog
 from mirror_explainer.node.start import argument_parser, parsed, refuse, write_fault
+from mirror_explainer.node.surroundings import Others
 
 VOLATILE = QoSProfile(depth=1)
 # With the usual depth of 10, calls of more clients at once than that would get lost.
@@ -218,7 +219,7 @@ class ExplainerNode(Node):
         if rivals and not self._rivals:
             _log.warning('%s', with_cure(*rivalry(rivals)))
         self._rivals = rivals
-        crowd = crowded(self._who_publishes())
+        crowd = crowded(self._others().publishers)
         if crowd and crowd != self._crowd:
             _log.warning('%s', with_cure(*crowd))
         self._crowd = crowd
@@ -231,25 +232,43 @@ class ExplainerNode(Node):
         self._verbalization.publish(String(data=text))
         self._explanation.publish(String(data=report))
 
-    def _who_publishes(self) -> dict[str, tuple[str, ...]]:
-        """Return the nodes that publish each input; of several nodes of one name each counts.
+    def _others(self) -> Others:
+        """Return what there is of other nodes.
 
         One node may publish a topic twice, such as latched and not.
         """
         there = Counter(
             _full_name(place, name) for name, place in self.get_node_names_and_namespaces()
         )
-        found = {}
+        publishers, unreliable = {}, {}
         for topic in TOPICS:
             infos = self.get_publishers_info_by_topic(self.resolve_topic_name(topic))
             publish = Counter(_full_name(info.node_namespace, info.node_name) for info in infos)
             nodes = {name: min(count, max(1, there[name])) for name, count in publish.items()}
-            found[topic] = tuple(Counter(nodes).elements())
-        return found
+            publishers[topic] = tuple(Counter(nodes).elements())
+            heard = {
+                _full_name(info.node_namespace, info.node_name)
+                for info in infos
+                if info.qos_profile.reliability is not ReliabilityPolicy.BEST_EFFORT
+            }
+            unreliable[topic] = tuple(sorted(publish.keys() - heard))
+        is_alone = not publishers['problem'] and not publishers['plan']
+        elsewhere = self._plans_elsewhere() if is_alone else ()
+        return Others(publishers, unreliable, elsewhere, self._rivals)
+
+    def _plans_elsewhere(self) -> tuple[str, ...]:
+        """Return the namespaces in which somebody publishes a problem and a plan."""
+        names = {
+            name
+            for name, types in self.get_topic_names_and_types()
+            if 'std_msgs/msg/String' in types and self.count_publishers(name)
+        }
+        plans = (name.removesuffix('plan') for name in names if name.endswith('/plan'))
+        return tuple(sorted(place for place in plans if f'{place}problem' in names))
 
     @_guarded
     def _publish_diagnostics(self) -> None:
-        found = self._explainer.diagnose(self._who_publishes(), self._rivals)
+        found = self._explainer.diagnose(self._others())
         name = f'{self.get_fully_qualified_name().lstrip("/")}: explanation'
         stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(diagnostic_array(found, name, stamp))

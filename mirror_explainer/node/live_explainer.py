@@ -6,7 +6,7 @@ It knows nothing of ROS, so that a test, or another middleware, can drive it.
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from mirror_explainer.node.input_reader import InputReader
 from mirror_explainer.node.inputs import Configuration, Inputs, Text
 from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.refiner import Refiner
-from mirror_explainer.node.surroundings import look_around
+from mirror_explainer.node.surroundings import Others, look_around
 from mirror_explainer.node.updates import Updates
 from mirror_explainer.planning import Planner
 
@@ -114,13 +114,11 @@ class LiveExplainer:
         """Forget what was said; return how many sentences that was."""
         return self._answers.forget()
 
-    def diagnose(self, publishers: Mapping[str, Sequence[str]], rivals: int) -> Diagnosis:
-        """Say how things stand, with which nodes publish each input, and other servers."""
+    def diagnose(self, others: Others) -> Diagnosis:
+        """Say how things stand, among other nodes."""
         with self._lock:
             inputs, history = self._inputs, self._history
-        surroundings = look_around(
-            (inputs.domain_file, inputs.user_model_file), publishers, rivals
-        )
+        surroundings = look_around((inputs.domain_file, inputs.user_model_file), others)
         return diagnose(self._updates.readiness, history, inputs, surroundings, self._answers.last)
 
     def close(self) -> None:

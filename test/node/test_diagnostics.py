@@ -23,7 +23,7 @@ from mirror_explainer.node.history import History, news
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.readiness import Phase, Readiness
-from mirror_explainer.node.surroundings import Surroundings, look_around, package_version
+from mirror_explainer.node.surroundings import Others, Surroundings, look_around, package_version
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.situation import situation_of
@@ -81,7 +81,7 @@ def seen(
         now or outcomes[-1],
         history,
         inputs or Inputs(),
-        surroundings or Surroundings(publishers=PUBLISHED),
+        surroundings or Surroundings(others=Others(PUBLISHED)),
         answer,
     )
 
@@ -116,14 +116,32 @@ def test_an_error_that_is_over_is_remembered_as_over(ready: Readiness) -> None:
 
 
 def test_waiting_is_a_warning_that_says_what_to_do() -> None:
-    diagnosis = seen(WAITING, surroundings=Surroundings(publishers={'plan': ()}))
+    diagnosis = seen(WAITING, surroundings=Surroundings(others=Others({'plan': ()})))
 
     assert (diagnosis.level, diagnosis.message) == (Level.WARN, WAITING.message)
     assert diagnosis.values['what to do'] == WAITING.cure
 
 
+def test_what_is_published_best_effort_or_elsewhere_is_told_with_its_cure() -> None:
+    long_ago = Moment(steady=time.monotonic() - 1000.0)
+    waiting = replace(WAITING, inputs=Inputs(), since=long_ago)
+    robot = {'problem': ('/robot',), 'plan': ('/robot',)}
+    unreliable = seen(waiting, surroundings=Surroundings(others=Others(robot, robot)))
+    elsewhere = seen(waiting, surroundings=Surroundings(others=Others(elsewhere=['/vinny/', '/'])))
+
+    assert unreliable.message == (
+        'waiting for plan (topic); /robot publishes problem and plan as best effort, which is '
+        'not heard here'
+    )
+    assert unreliable.values['what to do'].startswith('Publish it reliably')
+    assert elsewhere.values['what to do'] == (
+        'There is /vinny/plan; /plan: is this node to be in that namespace (-r __ns:=…)? '
+        'Start the robot.'
+    )
+
+
 def test_what_is_published_and_does_not_arrive_has_another_cure() -> None:
-    both = Surroundings(publishers=PUBLISHED)
+    both = Surroundings(others=Others(PUBLISHED))
     just_started = seen(replace(WAITING, since=Moment()), surroundings=both)
     long_ago = Moment(steady=time.monotonic() - 1000.0)
     diagnosis = seen(replace(WAITING, since=long_ago), surroundings=both)
@@ -176,7 +194,7 @@ def test_updates_that_end_alike_do_not_change_since_when_it_is_so(ready: Readine
 
 
 def test_a_robot_that_fell_silent_is_a_warning(ready: Readiness) -> None:
-    diagnosis = seen(ready, surroundings=Surroundings(publishers=PUBLISHED | {'plan': ()}))
+    diagnosis = seen(ready, surroundings=Surroundings(others=Others(PUBLISHED | {'plan': ()})))
 
     assert diagnosis.level is Level.WARN
     assert diagnosis.message == 'ready, but nobody publishes plan any more'
@@ -187,7 +205,7 @@ def test_a_robot_that_fell_silent_is_a_warning(ready: Readiness) -> None:
 def test_that_two_nodes_tell_the_same_is_a_warning_whatever_else_is_wrong(
     ready: Readiness,
 ) -> None:
-    two = Surroundings(publishers=PUBLISHED | {'plan': ('/b/robot', '/a/robot')})
+    two = Surroundings(others=Others(PUBLISHED | {'plan': ('/b/robot', '/a/robot')}))
 
     diagnosis, failed = seen(ready, surroundings=two), seen(WRONG, surroundings=two)
 
@@ -238,7 +256,7 @@ def test_each_input_is_shown_with_its_source_and_age(ready: Readiness, tmp_path:
     values = seen(
         ready,
         inputs=inputs,
-        surroundings=look_around(['/nowhere/domain.pddl', str(user_model)], PUBLISHED),
+        surroundings=look_around(['/nowhere/domain.pddl', str(user_model)], Others(PUBLISHED)),
     ).values
 
     assert values['plan from'] == '/robot/plan'
@@ -275,11 +293,11 @@ def test_calls_are_counted(ready: Readiness) -> None:
 def test_the_memory_of_the_processes_that_plan_is_counted() -> None:
     hold = "x = bytearray(64 << 20); print('held', flush=True); input()"
     command = [sys.executable, '-c', hold]
-    before = look_around([], {}).planner_memory
+    before = look_around([], Others()).planner_memory
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
         assert child.stdout is not None
         child.stdout.readline()
-        during = look_around([], {})
+        during = look_around([], Others())
         child.kill()
 
     assert during.planner_memory - before > 64 << 20
@@ -297,7 +315,7 @@ def test_the_handbook_lists_every_value_and_no_other(ready: Readiness, warehouse
         ready,
         history,
         Inputs(domain=text, problem=text, plan=text, progress=text, user_model_file=path),
-        look_around([path], PUBLISHED),
+        look_around([path], Others(PUBLISHED)),
         answer,
     ).values
 

@@ -22,6 +22,7 @@ from test_live_explainer import (
 from mirror_explainer.node.diagnostics import Level
 from mirror_explainer.node.inputs import Text
 from mirror_explainer.node.moment import Moment
+from mirror_explainer.node.surroundings import Others
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.problem_text import with_state
@@ -261,7 +262,7 @@ def test_where_planning_fails_as_a_whole_the_task_is_told_without_it_to_its_end(
         told.append(answer['spoken'])
         assert not answer['complete']
         assert answer['planned'] == 0.0
-    diagnosis = robot.explainer.diagnose({}, 0)
+    diagnosis = robot.explainer.diagnose(Others())
 
     assert told == [TOLD[0], TOLD[4], TOLD[10]]
     assert (diagnosis.level, diagnosis.values['state']) == (Level.ERROR, 'error')

@@ -10,6 +10,7 @@ pytest.importorskip('rclpy', reason='needs ROS 2')
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import LoggerLevel
 from rcl_interfaces.srv import SetLoggerLevels
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from ros_peer import (
     DOMAIN,
     PLAN,
@@ -22,6 +23,7 @@ from ros_peer import (
     new_namespace,
     running,
 )
+from std_msgs.msg import String
 
 from mirror_explainer.node.explainer_node import main
 from mirror_explainer.node.surroundings import package_version
@@ -180,14 +182,27 @@ def test_a_plan_that_was_published_too_early_and_not_latched_is_told_so(tmp_path
     assert told['what to do'].startswith('Let it be published again, or latched')
 
 
-def test_the_publishers_of_remapped_inputs_are_seen(tmp_path):
-    peer = Peer(new_namespace())
+def test_the_publishers_of_remapped_inputs_are_seen_and_such_as_it_cannot_hear(tmp_path):
+    peer, elsewhere = Peer(new_namespace()), Peer(namespace := new_namespace())
+    for topic, text in {'problem': PROBLEM, 'plan': PLAN}.items():
+        elsewhere.publish(topic, text, heard=False)
     remapped = ['--ros-args', '-r', 'problem:=my/problem', '-r', 'plan:=my/plan', '--']
     with explainer(peer, tmp_path, options=remapped):
+        eventually(
+            lambda: f'{namespace}/plan' in last_diagnostic(peer)['what to do'], 'the other plan'
+        )
+        best_effort = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        unheard = peer.node.create_publisher(String, 'my/plan', best_effort)
+        eventually(
+            lambda: 'publishes plan as best effort' in last_diagnostic(peer)['message'],
+            'that it cannot be heard',
+        )
+        peer.node.destroy_publisher(unheard)
         for topic, text in {'domain': DOMAIN, 'my/problem': PROBLEM, 'my/plan': PLAN}.items():
             peer.publish(topic, text)
         peer.answer()
         eventually(lambda: last_diagnostic(peer)['message'] == 'ready', 'ready, and no more')
+    elsewhere.close()
     peer.close()
 
 

@@ -12,6 +12,7 @@ from test_live_explainer import DOMAIN, PLAN, PROBLEM, Operator, operator
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.listener.goals_seen import MOST_GOALS, read_goals_seen
 from mirror_explainer.node.goal_counter import GoalCounter
+from mirror_explainer.node.surroundings import Others
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.problem_text import with_state
@@ -231,5 +232,5 @@ def test_a_file_that_cannot_be_used_takes_no_answer_away(operator, tmp_path: Pat
     robot.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
 
     assert robot.answer().endswith('I will exit from the bottom door.')
-    warnings = robot.explainer.diagnose({}, 0).values['warnings']
+    warnings = robot.explainer.diagnose(Others()).values['warnings']
     assert f'until this is mended: {file}, line 1: no YAML that can be read' in warnings

@@ -16,6 +16,7 @@ from mirror_explainer.node import live_explainer as module
 from mirror_explainer.node.diagnostics import Level
 from mirror_explainer.node.inputs import Configuration, Text
 from mirror_explainer.node.live_explainer import LiveExplainer
+from mirror_explainer.node.surroundings import Others
 
 DOMAIN, PROBLEM, PLAN = (
     (WAREHOUSE / name).read_text() for name in ('domain.pddl', 'problem.pddl', 'plan.txt')
@@ -103,11 +104,11 @@ def served(shared: Operator) -> Iterator[Operator]:
 
 def test_what_is_missing_is_said_until_all_has_been_heard(operator) -> None:
     robot = operator()
-    nothing, for_the_operator = robot.refusal(), robot.explainer.diagnose({}, 0).message
+    nothing, for_the_operator = robot.refusal(), robot.explainer.diagnose(Others()).message
     robot.publish(plan=PROBLEM)
     mixed_up = robot.refusal()
     robot.publish(domain=DOMAIN, plan=PLAN)
-    rest, of_the_rest = robot.refusal(), robot.explainer.diagnose({}, 0).message
+    rest, of_the_rest = robot.refusal(), robot.explainer.diagnose(Others()).message
     robot.publish(problem=PROBLEM)
 
     assert nothing == 'I have no plan yet.'
@@ -125,7 +126,7 @@ def test_what_is_missing_is_said_until_all_has_been_heard(operator) -> None:
         'I will grab the red circle from the red room.\n'
         'I will exit through the bottom door.'
     )
-    warnings = robot.explainer.diagnose({}, 0).values['warnings']
+    warnings = robot.explainer.diagnose(Others()).values['warnings']
     assert warnings.startswith('no user model is named (parameter user_model_file)')
     robot.set(user_model_file=USER_MODEL)
     assert robot.answer() == THREE_SENTENCES
@@ -213,7 +214,7 @@ def test_bad_input_is_told_by_calls_and_diagnostics_until_good_input_comes(
     topic, text, expected = BAD_INPUTS[what]
     served.publish(**{topic: text})
     reason = served.refusal()
-    diagnosis = served.explainer.diagnose({}, 0)
+    diagnosis = served.explainer.diagnose(Others())
     served.publish(domain=DOMAIN, problem=PROBLEM, plan=PLAN)
 
     assert expected in reason
@@ -221,7 +222,7 @@ def test_bad_input_is_told_by_calls_and_diagnostics_until_good_input_comes(
     assert diagnosis.message == reason
     assert diagnosis.level is Level.ERROR
     assert served.answer() == THREE_SENTENCES
-    healed = served.explainer.diagnose({}, 0)
+    healed = served.explainer.diagnose(Others())
     assert (healed.level, healed.message) == (Level.OK, 'ready')
 
 
@@ -234,13 +235,13 @@ def test_a_robot_without_a_plan_says_so_in_the_user_models_words_and_diagnostics
     by_default = served.refusal()
     served.set(user_model_file=str(model_file(words)))
     in_own_words = served.refusal()
-    diagnosis = served.explainer.diagnose({}, 0)
+    diagnosis = served.explainer.diagnose(Others())
     served.publish(plan='(fly')
 
     assert by_default == 'I have nothing to do right now.'
     assert in_own_words == 'I wait for orders.'
     assert served.refusal() == 'I cannot tell you.'
-    assert served.explainer.diagnose({}, 0).message.startswith('/plan, line 1: ')
+    assert served.explainer.diagnose(Others()).message.startswith('/plan, line 1: ')
     assert diagnosis.level is Level.WARN
     assert diagnosis.message == '/plan: the robot has no current plan'
 
@@ -259,7 +260,7 @@ def test_a_user_model_with_faults_fails_calls_until_the_file_is_mended(
     user_model.write_text('goals:\n  - goal: (holding nothing)\n  - goal: (outside red_cube)\n')
     served.set(user_model_file=str(user_model))
     reason = served.refusal()
-    diagnosed = served.explainer.diagnose({}, 0).message
+    diagnosed = served.explainer.diagnose(Others()).message
     user_model.write_text(Path(USER_MODEL).read_text())
 
     assert reason == (
@@ -309,7 +310,7 @@ def test_a_call_that_waits_is_answered_about_the_newest_plan(puzzled) -> None:
     waiting = threading.Thread(target=lambda: heard.append(puzzled.answer()))
     waiting.start()
     eventually(
-        lambda: 'planning 0 of 2' in puzzled.explainer.diagnose({}, 0).message, 'the planning'
+        lambda: 'planning 0 of 2' in puzzled.explainer.diagnose(Others()).message, 'the planning'
     )
     sentences = publish_tiles(puzzled, moves=3)
     waiting.join(PATIENCE)
@@ -324,7 +325,7 @@ def test_where_planning_takes_longer_than_calls_wait_they_are_answered_from_what
     sentences = publish_tiles(puzzled, moves=200)
     reply = eventually(lambda: (found := puzzled.explainer.ask()).success and found, 'an answer')
     report = json.loads(puzzled.published[-1][1])
-    diagnosis = puzzled.explainer.diagnose({}, 0)
+    diagnosis = puzzled.explainer.diagnose(Others())
 
     assert set(reply.message.split('\n')) <= set(sentences)
     assert not report['complete']
@@ -339,7 +340,7 @@ def test_what_planning_finds_is_published_by_the_next_call_and_not_by_itself(ser
     served.publish(plan=PLAN + '; another text')
     eventually(lambda: served.explainer.ask().success, 'the first answer')
     eventually(
-        lambda: served.explainer.diagnose({}, 0).message == 'ready',
+        lambda: served.explainer.diagnose(Others()).message == 'ready',
         'the end of the planning',
     )
     before = len(served.published)

@@ -15,6 +15,7 @@ from test_live_explainer import operator
 from mirror_explainer.errors import InputError
 from mirror_explainer.listener.robot_tasks import DOMAIN, named_tasks, problem_text, task_name
 from mirror_explainer.node.robot_topics import RobotTopics
+from mirror_explainer.node.surroundings import Others
 from mirror_explainer.node.task_list import (
     TaskList,
     parsed_tasks,
@@ -231,7 +232,7 @@ def test_a_task_whose_name_begins_with_no_english_verb_is_said_as_it_is_and_warn
         'I am doing this: Tür öffnen.',
         'I meant to bring the tea.',
     ]
-    warnings = robot.explainer.diagnose({}, 0).values['warnings']
+    warnings = robot.explainer.diagnose(Others()).values['warnings']
     assert '"Tür öffnen" does not begin with an English verb: give it a sentence' in warnings
     assert 'Bring' not in warnings
 
