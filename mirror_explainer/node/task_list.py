@@ -63,6 +63,7 @@ class TaskList:
     def __init__(self, node: Node, known: Iterable[str] = (), user_model_file: str = '') -> None:
         named = named_tasks(read_text(user_model_file)) if user_model_file else ()
         self._known = spelling([*named, *known])
+        self._by_letters = {_letters(name): name for name in self._known.values()}
         self._goal = ''
         self._list: list[_Task] = []  # as it was told last, with these ends
         self._ends: Collection[str] = ()
@@ -99,12 +100,19 @@ class TaskList:
         self.tell(tasks)
 
     def _tell(self, tasks: list[_Task], ends: Collection[str]) -> None:
+        tasks = [task._replace(name=self._as_known(task.name)) for task in tasks]
+        ends = [self._as_known(end) for end in ends]
         texts = task_texts(tasks, ends)
         self._list, self._ends = tasks, ends
         self._known |= texts.names
         self._goal = texts.goal or self._goal
         problem = problem_text(self._known.values(), texts.done, self._goal)
         self._topics.tell(problem=problem, progress=texts.progress, plan=texts.plan)
+
+    def _as_known(self, task: str) -> str:
+        """Return the known task that "TakeOut" must be if it is none by that name: "take_out"."""
+        name = task_name(task)
+        return task if name.lower() in self._known else self._by_letters.get(_letters(name), task)
 
     def tell_tree(self, root: TreeNode, leaves: Kinds, ends: Collection[str] = ()) -> None:
         """Tell the tasks that a behaviour tree of py_trees means to do (see `tree_tasks`).
@@ -258,6 +266,10 @@ def _reasoned(tasks: list[_Task], reason: str) -> list[_Task]:
 def _because(reason: str) -> str:
     words = reason.replace(';', ',').split()  # a semicolon would begin a comment
     return ' '.join(['', 'because', *words]) if words else ''
+
+
+def _letters(name: str) -> str:
+    return name.lower().replace('_', '')
 
 
 def _no_task(end: str, tasks: Iterable[str]) -> InputError:

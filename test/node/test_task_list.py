@@ -181,6 +181,12 @@ def test_tasks_are_told_in_their_tenses(robot):
     assert robot.answer() == 'I have boiled water and brought the tea.\nI am done.'
 
 
+def test_a_task_whose_words_are_joined_is_the_one_that_the_user_model_names(robot):
+    robot.tasks.tell([('DriveToTheKitchen', 'done'), ('boilwater', 'running'), TEA_AHEAD])
+    assert robot.answer() == 'I am boiling water.\nI will bring the tea.'
+    assert robot.explainer.diagnose(Others()).values['warnings'] == 'none'
+
+
 def test_tasks_in_the_place_of_some_are_another_plan_and_other_tasks_a_new_one(robot):
     def begun(*tasks: str, ends: Sequence[str] = ()) -> str:
         robot.tasks.tell([(task, 'ahead') for task in tasks], ends)
