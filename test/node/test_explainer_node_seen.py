@@ -127,6 +127,9 @@ def test_diagnostics_show_calls_memory_version_and_where_the_inputs_came_from(pe
 def test_another_robot_on_the_same_topics_is_seen_and_that_both_die_and_one_returns(tmp_path):
     namespace = new_namespace()
     listener, robot, other = (Peer(namespace) for _ in range(3))
+    told = (
+        f'more than one node publishes plan (named {namespace}/peer), and what they tell is mixed'
+    )
     with explainer(listener, tmp_path) as node:
         robot.publish_warehouse()
         listener.answer()
@@ -135,6 +138,7 @@ def test_another_robot_on_the_same_topics_is_seen_and_that_both_die_and_one_retu
             lambda: 'publishes plan' in (found := last_diagnostic(listener))['message'] and found,
             'that two publish the plan',
         )
+        eventually(lambda: told in node.log, 'that in its log')
         other.close()
         eventually(lambda: last_diagnostic(listener)['message'] == 'ready', 'that one has gone')
         robot.close()
@@ -152,9 +156,6 @@ def test_another_robot_on_the_same_topics_is_seen_and_that_both_die_and_one_retu
         eventually(lambda: last_diagnostic(listener)['message'] == 'ready', 'the robot again')
     listener.close()
 
-    told = (
-        f'more than one node publishes plan (named {namespace}/peer), and what they tell is mixed'
-    )
     assert (mixed['level'], mixed['message']) == (DiagnosticStatus.WARN, f'ready; {told}')
     assert node.log.count(told) == 1
     assert gone['level'] == DiagnosticStatus.WARN
