@@ -88,10 +88,8 @@ class Explanation:
             situation = self.preparation.situation
             is_detour = situation is not None and situation.is_detour
             return reached(sentences, told, self._excuses, is_detour)
-        unsaid = self._steps(p for p in self.unsaid_ends if p not in self._told)
-        is_stuck = self.preparation.failed is not None
-        lines = spoken(sentences, told, unsaid, is_stuck, self._excuses)
-        if self._chosen or is_stuck:
+        lines = self._lines(self._told, (p for p in self.unsaid_ends if p not in self._told))
+        if self._chosen or self.preparation.failed is not None:
             return lines
         heard = {self.model.sentences[position] for position in self.known}
         is_all = heard.issuperset(self.model.sentences)
@@ -105,8 +103,24 @@ class Explanation:
 
     @cached_property
     def _told(self) -> list[int]:
-        """The positions that are spoken of: what was chosen, and what one sees the robot at."""
-        return sorted({*self._chosen, *self._seen})
+        """The positions that are spoken of.
+
+        They are what was chosen, what one sees the robot at, and an end for which a list would
+        end with "others", if it is the only one, and there are fewer than `n` without it.
+        """
+        told = {*self._chosen, *self._seen}
+        if len(self._chosen) < self.question.n:
+            whole = self._lines(told)
+            ends = (p for p in self.unsaid_ends if p not in told)
+            others = [p for p in ends if self._lines(told, [p]) != whole]
+            told |= {*others} if len(others) == 1 else set()
+        return sorted(told)
+
+    def _lines(self, told: Iterable[int], unsaid: Iterable[int] = ()) -> str:
+        """Return what is said of the steps at these positions, where others are left unsaid."""
+        is_stuck = self.preparation.failed is not None
+        steps = self._steps(sorted(told)), self._steps(unsaid)
+        return spoken(self.preparation.sentences, *steps, is_stuck, self._excuses)
 
     @property
     def _seen(self) -> list[int]:

@@ -188,6 +188,33 @@ def test_of_eight_deliveries_as_many_are_told_as_were_asked_for(known) -> None:
     assert len(answers(preparation, (9,))[0]) == 8
 
 
+def test_a_list_that_lacks_a_single_end_is_whole_where_there_is_room(known) -> None:
+    parcels = ('letter', 'box', 'crate')
+    preparation = known(
+        f'hall lab - place {" ".join(parcels)} - parcel',
+        f'(at hall) (free) (charged) {corridor("hall", "lab")} '
+        + ' '.join(f'(waits {x} hall) (for {x} lab)' for x in parcels),
+        '(and (delivered letter) (delivered box) (delivered crate))',
+        """goals:
+- {goal: (delivered letter)}
+- {goal: (and (delivered letter) (delivered box) (delivered crate))}
+""",
+        '\n'.join(f'(load {x} hall)' for x in parcels)
+        + '\n(go hall lab)\n'
+        + '\n'.join(f'(deliver {x} lab)' for x in parcels),
+    )
+    two, three = asked(preparation, 2), asked(preparation, 3)
+
+    # That the letter is delivered all candidates have in common.
+    assert (
+        two.sentences
+        == three.sentences
+        == ('I will deliver the box.', 'I will deliver the crate.')
+    )
+    assert two.spoken == 'I will deliver the box, the crate and others.'
+    assert three.spoken == 'I will deliver the letter, the box and the crate.'
+
+
 def test_a_needless_step_is_never_told_for_its_own_sake(known) -> None:
     places = ('hall', 'lab', 'office')
     plan = (
