@@ -1,8 +1,9 @@
 """What an explanation is made from: texts from the robot, files, and what the parameters say."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.node.moment import Moment
@@ -43,11 +44,15 @@ class Configuration:
 
 @dataclass(frozen=True)
 class Text:
-    """A text from outside, the file or topic that it came from, and when."""
+    """A text from outside, the file or topic that it came from, and when.
+
+    `earlier` is when the message before it was heard there, whatever its text.
+    """
 
     text: str
     source: str
     heard: Moment = field(default_factory=Moment, compare=False, repr=False)
+    earlier: Moment | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,12 @@ class Inputs:
     planning: PlanningSettings = field(default_factory=PlanningSettings)
     limits: InputLimits = field(default_factory=InputLimits)
 
+    def hearing(self, name: str, text: Text) -> 'Inputs':
+        """Return the inputs with a text in place of the one before of that name."""
+        before: Text | None = getattr(self, name)
+        changed: dict[str, Any] = {name: replace(text, earlier=before.heard if before else None)}
+        return replace(self, **changed)
+
     @property
     def missing(self) -> tuple[str, ...]:
         """What has to come before there is anything to explain."""
@@ -77,6 +88,12 @@ class Inputs:
             'plan (topic)': self.plan,
         }
         return tuple(name for name, value in present.items() if not value)
+
+    @property
+    def newest(self) -> Moment:
+        """When the last of problem, plan and progress was heard."""
+        texts = filter(None, (self.problem, self.plan, self.progress))
+        return max((text.heard for text in texts), key=lambda moment: moment.steady)
 
     @property
     def is_plan_newer(self) -> bool:

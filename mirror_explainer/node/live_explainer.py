@@ -8,7 +8,6 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from mirror_explainer.node.answers import Answers, printable
 from mirror_explainer.node.diagnostics import Diagnosis, diagnose
@@ -85,8 +84,7 @@ class LiveExplainer:
     def hear(self, name: str, text: Text) -> None:
         """Take up a 'domain', 'problem', 'plan' or 'progress', in place of the one before."""
         with self._lock:
-            heard: dict[str, Any] = {name: text}
-            self._submit(replace(self._inputs, **heard))
+            self._submit(self._inputs.hearing(name, text))
 
     def look_at_files(self) -> None:
         """Notice edits of the files that were read; to be called now and then."""

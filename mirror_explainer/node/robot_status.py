@@ -6,6 +6,7 @@ from functools import partial
 
 from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.node.inputs import Inputs, Text
+from mirror_explainer.node.moment import Moment
 from mirror_explainer.pddl import Task
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.pddl.progress import Progress, read_progress
@@ -15,6 +16,7 @@ from mirror_explainer.pddl.situation import (
     gone_back,
     next_situation,
     situation_of,
+    taken_up_again,
 )
 
 
@@ -28,6 +30,11 @@ class RobotStatus:
         # The last new progress text, as it came, and the problem it came with.
         self._told: Text | None = None
         self._told_in = ''
+        self._began = Moment()  # when the newest text came with which the episode began
+        # What was done when problem and plan came again without progress, as if it started again;
+        # and whether the next progress was that it had not: it repeats them on its way.
+        self._undone: Progress | None = None
+        self._repeats = False
 
     @property
     def is_under_way(self) -> bool:
@@ -54,13 +61,14 @@ class RobotStatus:
         tells = None
         if progress and not inputs.is_progress_old:
             tells = partial(read_progress, progress.text, source=progress.source)
+        is_told = bool(progress or (before and before.told))
         given = (domain, problem.text, steps, read, plan.source, inputs.limits, tells)
         first = partial(situation_of, *given)
         try:
             if before is None:
                 situation = first()
             else:
-                situation = next_situation(before, *given, uncertain, is_told=bool(progress))
+                situation = next_situation(before, *given, uncertain, is_told=is_told)
         except InputError as error:
             if steps:
                 raise
@@ -71,9 +79,15 @@ class RobotStatus:
                 cure='Nothing is to be done if it has no task now: its next plan is explained.',
             ) from error
         is_new = before is None or situation.number != before.number
+        is_anew = inputs.begins_anew and self._is_first_time(problem, plan)
+        undone = None
+        if progress and before and is_anew and not is_new:
+            situation = taken_up_again(situation, read(problem.text), first, uncertain)
+            is_new = situation.number != before.number
+            undone = before.told if is_new else None
         if is_new and self._has_stopped:  # it did not go from one task to the other
             situation = replace(situation, is_detour=False)
-        if progress and is_new and tells is None:
+        if progress and tells is None and (is_new or is_anew):
             self._stale, progress = progress, None  # it is about the plan before
         if progress:
             told = read_progress(progress.text, situation.episode.actions, source=progress.source)
@@ -82,10 +96,25 @@ class RobotStatus:
             if situation.begins_again(told):
                 situation = begun_again(situation)
             situation = situation.telling(progress.text, progress.source)
-            if progress != self._told:
-                self._told, self._told_in = progress, problem.text
+        if before is None or situation.number != before.number:
+            self._began = inputs.newest
+            self._undone, self._repeats = undone, False
+        elif progress and situation.told and self._undone:
+            self._repeats = not situation.told.undone(self._undone)
+            self._undone = None
+        if progress and progress != self._told:
+            self._told, self._told_in = progress, problem.text
         self._situation, self._has_stopped = situation, False
         return situation
+
+    def _is_first_time(self, problem: Text, plan: Text) -> bool:
+        """Say whether both came for the first time since the episode began, or it was stopped.
+
+        For many robots repeat them all the time.
+        """
+        earlier = [text.earlier for text in (problem, plan)]
+        is_first = any(at is None or at.seconds_since(self._began) <= 0.0 for at in earlier)
+        return self._has_stopped or (is_first and not self._repeats)
 
     def _is_plan_again(self, plan: Text, situation: Situation, told: Progress) -> bool:
         """Say whether a plan came again after progress was told, and so begins again.

@@ -3,7 +3,7 @@
 import itertools
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 
@@ -79,6 +79,12 @@ class Progress:
         return sum(
             2 if own is StepStatus.DONE else own is StepStatus.RUNNING for own in self.steps
         )
+
+    @property
+    def without_failures(self) -> 'Progress':
+        """The progress of a robot that tries again what failed."""
+        reasons = {p: reason for p, reason in self.reasons.items() if p not in self.failed}
+        return replace(self, failed=(), reasons=reasons)
 
     def undone(self, before: 'Progress') -> tuple[int, ...]:
         """Return the positions of the steps that were done before, and are not any more."""

@@ -188,6 +188,24 @@ def gone_back(situation: Situation, told: Progress, first: Callable[[], Situatio
     return replace(new, number=number, reason=reason, put_off=put_off, is_detour=is_detour)
 
 
+def taken_up_again(
+    situation: Situation,
+    task: Task,
+    first: Callable[[], Situation],
+    uncertain: Collection[str] = (),
+) -> Situation:
+    """Return the situation of a robot that begins with its plan, and has told nothing since.
+
+    Where the state is that in which the episode began, and nowhere that it is known to be by
+    now, it starts again; else it tries again what failed.
+    """
+    episode, state, told = situation.episode, Evaluator(task).first_state(), situation.told
+    is_begin = episode.agrees(state, 0, uncertain) is not False
+    if is_begin and not follow(episode, state, situation.progress, None, uncertain, task):
+        return gone_back(situation, Progress.none(len(episode.steps)), first)
+    return replace(situation, told=told and told.without_failures)
+
+
 def _shares_goal(before: Situation, task: Task) -> bool:
     """Say whether a task has a part of a goal that was not reached, but for what always held."""
     if before.progress.finished:

@@ -1,11 +1,9 @@
 """What a robot is doing by one message after the other, with their times, and no thread."""
 
-from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import pytest
-from test_episodes import LINES
+from test_episodes import LINES, PROBLEMS
 from test_live_explainer import DOMAIN, PLAN, PROBLEM
 
 from mirror_explainer.errors import InputError, NoPlanError
@@ -39,11 +37,9 @@ class Robot:
 
     def publish(self, **texts: str) -> Situation:
         """Publish texts in this order, which are read together; return what comes of it."""
-        heard: dict[str, Any] = {}
         for name, text in texts.items():
             self.passes(0.001)
-            heard[name] = Text(text, f'/{name}', Moment(self._now))
-        self._inputs = replace(self._inputs, **heard)
+            self._inputs = self._inputs.hearing(name, Text(text, f'/{name}', Moment(self._now)))
         return self._status.update(DOMAIN, self._inputs, read)
 
 
@@ -104,9 +100,69 @@ def test_a_round_of_the_same_texts_is_one_more(robot: Robot) -> None:
 def test_a_robot_that_repeats_its_plan_all_the_time_is_told_that_it_names_too_little(
     robot: Robot,
 ) -> None:
-    robot.publish(problem=PROBLEM, plan=PLAN)
+    robot.publish(plan=PLAN)
 
     assert shown(robot.publish(progress=told(6))) == (1, 'first', 'dddddd')
-    robot.publish(problem=PROBLEM, plan=PLAN)
+    robot.publish(plan=PLAN)
     with pytest.raises(InputError, match='was done, and is not any more'):
         robot.publish(progress=f'running: {LINES[7]}')
+
+
+@pytest.mark.parametrize(('first', 'second'), [('problem', 'plan'), ('plan', 'problem')])
+def test_where_what_was_done_is_undone_by_the_state_the_same_plan_is_started_again(
+    robot: Robot, first: str, second: str
+) -> None:
+    robot.publish(**{first: BEGIN[first]})
+    assert shown(robot.publish(**{second: BEGIN[second]})) == (2, 'restarted', 'aaaaaa')
+    # It is told of the plan that began, not of the one before.
+    assert shown(robot.publish(progress=told(1))) == (2, 'restarted', 'draaaa')
+    robot.passes(1.5)
+    assert shown(robot.publish(problem=PROBLEM, plan=PLAN)) == (3, 'restarted', 'aaaaaa')
+    robot.publish(progress=told(0))
+    robot.publish(progress='\n'.join(f'done: {line}' for line in LINES))
+    robot.passes(1.5)
+    assert shown(robot.publish(problem=PROBLEM, plan=PLAN)) == (4, 'again', 'aaaaaa')
+
+
+@pytest.mark.parametrize(
+    'again',
+    [
+        {'plan': PLAN},  # nobody says that the state is the first
+        {'problem': PROBLEM},
+        {'problem': PROBLEMS[4], 'plan': PLAN},  # as the robot was on its way
+        {'problem': PROBLEMS[5], 'plan': PLAN},
+    ],
+)
+def test_else_what_comes_again_is_a_repetition(robot: Robot, again: dict[str, str]) -> None:
+    assert shown(robot.publish(**again)) == (1, 'first', 'dddddr')
+
+
+@pytest.mark.parametrize('period', [0.1, 0.4, 5.0])
+def test_of_a_robot_that_repeats_problem_and_plan_progress_is_believed(period: float) -> None:
+    robot = Robot()
+    robot.publish(problem=PROBLEM, plan=PLAN, progress=told(0))
+    for done in (1, 3, 5):
+        for _ in range(round(6.0 / period)):
+            robot.passes(period)
+            robot.publish(problem=PROBLEM, plan=PLAN)
+
+        assert shown(robot.publish(progress=told(done)))[0] == 1
+
+
+def test_a_robot_that_has_not_started_again_after_all_is_believed_to_repeat_its_plan(
+    robot: Robot,
+) -> None:
+    assert shown(robot.publish(problem=PROBLEM, plan=PLAN))[:2] == (2, 'restarted')
+    robot.publish(progress=told(6))
+    robot.passes(1.5)
+
+    assert shown(robot.publish(problem=PROBLEM, plan=PLAN)) == (2, 'restarted', 'dddddd')
+
+
+def test_a_robot_that_begins_with_its_plan_once_more_tries_again_what_failed(robot: Robot) -> None:
+    failed = told(5).replace('running', 'failed')
+    assert robot.publish(progress=failed).progress.failed == (5,)
+    robot.passes(1.5)
+    situation = robot.publish(problem=PROBLEMS[5], plan=PLAN)
+
+    assert (situation.progress.failed, *shown(situation)) == ((), 1, 'first', 'ddddda')
