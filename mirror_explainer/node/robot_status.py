@@ -1,6 +1,6 @@
 """What the robot is doing, from one of its messages to the next."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -8,8 +8,8 @@ from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.pddl import Task
-from mirror_explainer.pddl.plan_text import read_plan, without_dummy
-from mirror_explainer.pddl.progress import Progress, read_progress
+from mirror_explainer.pddl.plan_text import Step, read_plan, without_dummy
+from mirror_explainer.pddl.progress import Progress, is_about, read_progress
 from mirror_explainer.pddl.situation import (
     Situation,
     begun_again,
@@ -59,7 +59,8 @@ class RobotStatus:
         steps = without_dummy(read(problem.text), read_plan(plan.text, plan.source, inputs.limits))
         progress = inputs.progress if inputs.progress is not self._stale else None
         tells = None
-        if progress and not inputs.is_progress_old:
+        is_of_other = inputs.is_progress_old or self._is_of_plan_before(inputs, steps)
+        if progress and not is_of_other:
             tells = partial(read_progress, progress.text, source=progress.source)
         is_told = bool(progress or (before and before.told))
         given = (domain, problem.text, steps, read, plan.source, inputs.limits, tells)
@@ -89,6 +90,8 @@ class RobotStatus:
             situation = replace(situation, is_detour=False)
         if progress and tells is None and (is_new or is_anew):
             self._stale, progress = progress, None  # it is about the plan before
+        elif progress == self._stale and not _fits(progress, situation.episode.actions):
+            progress = None  # and is told once more
         if progress:
             told = read_progress(progress.text, situation.episode.actions, source=progress.source)
             if problem.text != self._told_in or self._is_plan_again(plan, situation, told):
@@ -107,6 +110,16 @@ class RobotStatus:
         self._situation, self._has_stopped = situation, False
         return situation
 
+    def _is_of_plan_before(self, inputs: Inputs, steps: Sequence[Step]) -> bool:
+        """Say whether progress that came before a plan, or was told before, fits only another."""
+        progress, before = inputs.progress, self._situation
+        return (
+            before is not None
+            and (inputs.is_plan_newer or progress == self._told)
+            and _fits(progress, before.episode.actions)
+            and not _fits(progress, [step.action for step in steps])
+        )
+
     def _is_first_time(self, problem: Text, plan: Text) -> bool:
         """Say whether both came for the first time since the episode began, or it was stopped.
 
@@ -124,3 +137,7 @@ class RobotStatus:
         """
         since = plan.heard.seconds_since(self._told.heard) if self._told else 0.0
         return since > 0.0 and situation.episode.comes_to(told)
+
+
+def _fits(progress: Text | None, actions: Sequence[str]) -> bool:
+    return progress is not None and is_about(progress.text, actions)

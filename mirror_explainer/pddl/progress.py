@@ -147,6 +147,15 @@ def read_progress(
     return progress
 
 
+def is_about(text: str, actions: Sequence[str]) -> bool:
+    """Say whether a progress text can be read for the plan with these actions."""
+    try:
+        read_progress(text, actions)
+    except InputError:
+        return False
+    return True
+
+
 def _line(content: str, number: int, source: str) -> tuple[str, str, str]:
     """Return a line's status, the action, and the reason, '' if none is given."""
     found = _LINE.fullmatch(content)

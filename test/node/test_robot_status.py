@@ -60,6 +60,7 @@ def robot() -> Robot:
     return robot
 
 
+TO_CENTER = f'{PROBLEM[: PROBLEM.index("(:goal")]}(:goal (robot-at center)))'
 BEGIN = {'problem': PROBLEM, 'progress': told(0), 'plan': PLAN}
 
 
@@ -166,3 +167,20 @@ def test_a_robot_that_begins_with_its_plan_once_more_tries_again_what_failed(rob
     situation = robot.publish(problem=PROBLEMS[5], plan=PLAN)
 
     assert (situation.progress.failed, *shown(situation)) == ((), 1, 'first', 'ddddda')
+
+
+@pytest.mark.parametrize('is_told_once_more', [False, True])
+def test_the_end_of_a_plan_is_not_told_of_the_next_one_though_it_came_just_before(
+    robot: Robot, is_told_once_more: bool
+) -> None:
+    over = {'progress': '\n'.join(f'done: {line}' for line in LINES)}
+    robot.publish(**over)
+    robot.passes(0.4)
+    late = over if is_told_once_more else {}
+
+    begun = robot.publish(problem=TO_CENTER, plan=LINES[0], **late)
+    assert shown(begun) == (2, 'new task', 'a')
+    assert shown(robot.publish(**over)) == (2, 'new task', 'a')
+    assert shown(robot.publish(progress=f'running: {LINES[0]}')) == (2, 'new task', 'r')
+    with pytest.raises(InputError, match='is no step of the plan'):
+        robot.publish(progress=f'running: {LINES[3]}')
