@@ -52,6 +52,14 @@ class Prior:
         return self.beliefs[self.robot_belief].goal
 
     @property
+    def common_parts(self) -> frozenset[str]:
+        """The parts that all of several goals have, as texts."""
+        if len(self.parts) < 2:
+            return frozenset()
+        common = frozenset.intersection(*map(frozenset, self.parts))
+        return frozenset(str(part.condition) for part in common)
+
+    @property
     def covered_mass(self) -> float:
         """The probability of all enumerated beliefs together, 1 unless they were cut off."""
         return min(1.0, math.fsum(self.probabilities))

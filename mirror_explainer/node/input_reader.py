@@ -132,9 +132,10 @@ class InputReader:
             return user_model
 
         before = self._prepared
-        uncertain = before.preparation.prior.facts if before else ()
+        prior = before.preparation.prior if before else None
+        heeded = (prior.facts, prior.common_parts) if prior else ()
         try:
-            situation = self._robot.update(domain.text, inputs, read, uncertain)
+            situation = self._robot.update(domain.text, inputs, read, *heeded)
         except InputError:
             user_model_for(read(problem.text))  # it has the words in which to tell of that
             raise

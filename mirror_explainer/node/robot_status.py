@@ -48,10 +48,12 @@ class RobotStatus:
         inputs: Inputs,
         read: Callable[[str], Task],
         uncertain: Collection[str] = (),
+        common: Collection[str] = (),
     ) -> Situation:
         """Return the situation by the newest inputs; `read` reads a problem with its domain.
 
-        `uncertain` are the facts that the listener is unsure of. Raises InputError, and
+        `uncertain` are the facts that the listener is unsure of, `common` the parts of every goal
+        that they think of. Raises InputError, and
         NoPlanError if there is nothing to do.
         """
         problem, plan, before = inputs.problem, inputs.plan, self._situation
@@ -69,7 +71,7 @@ class RobotStatus:
             if before is None:
                 situation = first()
             else:
-                situation = next_situation(before, *given, uncertain, is_told=is_told)
+                situation = next_situation(before, *given, uncertain, is_told, common)
         except InputError as error:
             if steps:
                 raise

@@ -31,7 +31,8 @@ class Situation:
     same plan, AGAIN for a goal once it was reached, NEW_TASK, or RESUMED for the goal that was
     `put_off` for a new task before it was reached. A new task is `like_before` where a part of
     its goal was one of the goal before, which was not reached, and was achieved on the way or
-    is still to be. It `is_detour` where the robot put off the goal before in the midst of it.
+    is still to be, or where it is a rest of that. It `is_detour` where the robot put off the goal
+    before in the midst of it.
     `seen` is the progress that states show, `told` what the robot itself says of it, if it does.
     """
 
@@ -109,10 +110,12 @@ def next_situation(
     tells: Tells | None = None,
     uncertain: Collection[str] = (),
     is_told: bool = False,
+    common: Collection[str] = (),
 ) -> Situation:
     """Return the situation after newer messages: in the same episode if they are progress in it.
 
-    `uncertain` are the facts that the listener is unsure of. A robot that tells its progress
+    `uncertain` are the facts that the listener is unsure of, `common` the parts of every goal
+    that they think of: these make no two goals alike. A robot that tells its progress
     itself (`is_told`) is in the episode as long as its plan is the whole plan of that, whatever
     its state. Raises InputError.
     """
@@ -126,7 +129,7 @@ def next_situation(
         seen = follow(before.episode, state, before.seen, steps, uncertain, task)
         if seen is not None:
             return replace(before, seen=seen)
-        like_before = not same_goal and _shares_goal(before, task)
+        like_before = not same_goal and _is_like(before, task, common)
     new = situation_of(domain, problem, steps, read, source, limits, tells)
     put_off, is_detour = before.put_off, False
     if same_goal and before.progress.finished:
@@ -206,14 +209,20 @@ def taken_up_again(
     return replace(situation, told=told and told.without_failures)
 
 
-def _shares_goal(before: Situation, task: Task) -> bool:
-    """Say whether a task has a part of a goal that was not reached, but for what always held."""
+def _is_like(before: Situation, task: Task, common: Collection[str]) -> bool:
+    """Say whether a task is for a part of a goal that was not reached, or for a rest of that.
+
+    Not for what always held; nor for what held when the episode began, such as that the robot is
+    at its dock, or what is `common` to all goals.
+    """
     if before.progress.finished:
         return False
     evaluator = Evaluator(task)
     states = before.episode.first, evaluator.first_state()
     try:
-        parts = {str(p) for state in states for p in missing_goals(task, state, evaluator)}
+        first, now = ({*map(str, missing_goals(task, state, evaluator))} for state in states)
     except (UnknownNumberError, NotImplementedError):
         return False
-    return not before.episode.goal.isdisjoint(parts)
+    goal = before.episode.goal
+    is_rest = goal_of(task) <= goal and bool(first | now)
+    return is_rest or not goal.isdisjoint(first.difference(common))

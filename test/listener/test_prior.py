@@ -13,6 +13,7 @@ from mirror_explainer.listener.prior import Prior, belief_prior
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel
 from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task, read_task
+from mirror_explainer.pddl.episode import goal_of
 from mirror_explainer.planning import Belief
 
 FACTS = ('(a)', '(b)', '(c)')
@@ -241,6 +242,17 @@ def test_a_goal_that_is_not_listed_is_added_with_a_warning() -> None:
         "the robot's goal (and (g0) (not (g1))) is not among the user model's candidates; "
         'it was added with probability 0.2',
     )
+
+
+def test_what_several_goals_have_in_common_is_known_by_the_texts_of_an_episodes_goal() -> None:
+    task = task_with(frozenset(['(a)']), '(and (g0) (not (g2)))')
+    one = candidates(('(and (not (g2)) (g0))', 1.0))
+    several = candidates(('(and (not (g2)) (g0))', 1.0), ('(and (g1) (not (g2)))', 1.0))
+
+    assert belief_prior(task, UserModel(one)).common_parts == frozenset()
+    common = belief_prior(task, UserModel(several)).common_parts
+    assert len(common) == 1
+    assert common < goal_of(task)
 
 
 def test_equal_candidates_are_one_goal_under_the_first_name_with_a_warning() -> None:

@@ -19,6 +19,10 @@ def read(problem: str) -> Task:
     return read_task(DOMAIN, problem)
 
 
+def with_goal(goal: str, problem: str = PROBLEM) -> str:
+    return f'{problem[: problem.index("(:goal")]}(:goal (and {goal})))'
+
+
 def told(done: int, lines: list[str] = LINES) -> str:
     """Return the progress of a robot that is at the step after so many."""
     return '\n'.join([*(f'done: {line}' for line in lines[:done]), f'running: {lines[done]}'])
@@ -27,7 +31,8 @@ def told(done: int, lines: list[str] = LINES) -> str:
 class Robot:
     """Publishes texts one after the other, a millisecond apart; `passes` makes it later."""
 
-    def __init__(self) -> None:
+    def __init__(self, *common: str) -> None:
+        self._common = common  # the parts of all goals that the listener thinks of
         self._status = RobotStatus()
         self._inputs = Inputs()
         self._now = 0.0
@@ -40,7 +45,7 @@ class Robot:
         for name, text in texts.items():
             self.passes(0.001)
             self._inputs = self._inputs.hearing(name, Text(text, f'/{name}', Moment(self._now)))
-        return self._status.update(DOMAIN, self._inputs, read)
+        return self._status.update(DOMAIN, self._inputs, read, common=self._common)
 
 
 def shown(situation: Situation) -> tuple[int, str, str]:
@@ -60,7 +65,6 @@ def robot() -> Robot:
     return robot
 
 
-TO_CENTER = f'{PROBLEM[: PROBLEM.index("(:goal")]}(:goal (robot-at center)))'
 BEGIN = {'problem': PROBLEM, 'progress': told(0), 'plan': PLAN}
 
 
@@ -178,9 +182,55 @@ def test_the_end_of_a_plan_is_not_told_of_the_next_one_though_it_came_just_befor
     robot.passes(0.4)
     late = over if is_told_once_more else {}
 
-    begun = robot.publish(problem=TO_CENTER, plan=LINES[0], **late)
+    begun = robot.publish(problem=with_goal('(robot-at center)'), plan=LINES[0], **late)
     assert shown(begun) == (2, 'new task', 'a')
     assert shown(robot.publish(**over)) == (2, 'new task', 'a')
     assert shown(robot.publish(progress=f'running: {LINES[0]}')) == (2, 'new task', 'r')
     with pytest.raises(InputError, match='is no step of the plan'):
         robot.publish(progress=f'running: {LINES[3]}')
+
+
+HOME = '(robot-at left)'
+CUBE, CIRCLE = '(holding blue_cube)', '(holding red_circle)'
+TO_CUBE = LINES[:4]
+TO_CIRCLE = [*LINES[:2], *LINES[5:7]]
+BACK = ['(move doors center)', '(move center left)']
+FOR_CUBE = [*TO_CUBE, LINES[4], *BACK]
+FOR_CIRCLE = [*TO_CIRCLE, LINES[7], *BACK]
+
+
+def test_that_robots_come_home_makes_no_two_tasks_alike() -> None:
+    robot = Robot()
+    robot.publish(problem=with_goal(CUBE + HOME), plan='\n'.join(FOR_CUBE))
+    robot.publish(progress=told(2, FOR_CUBE))
+    there = PROBLEMS[2]
+    detour = robot.publish(
+        problem=with_goal(CIRCLE + HOME, there), plan='\n'.join(FOR_CIRCLE[2:]), progress=''
+    )
+    robot.publish(progress='\n'.join(f'done: {line}' for line in FOR_CIRCLE[2:]))
+    robot.passes(5.0)
+    back = robot.publish(problem=with_goal(CUBE + HOME), plan='\n'.join(FOR_CUBE), progress='')
+
+    assert (detour.reason, detour.like_before, detour.is_detour) == ('new task', False, True)
+    assert (back.reason, back.like_before) == ('resumed', False)
+
+
+@pytest.mark.parametrize('common', [(), ('robot-at(left)',)])
+def test_what_all_goals_have_in_common_makes_no_two_of_them_alike(common: tuple[str, ...]) -> None:
+    robot = Robot(*common)
+    robot.publish(problem=with_goal(CUBE + HOME, PROBLEMS[2]), plan='\n'.join(FOR_CUBE[2:]))
+    other = with_goal(CIRCLE + HOME, PROBLEMS[2])
+
+    assert robot.publish(problem=other, plan='\n'.join(FOR_CIRCLE[2:])).like_before == (not common)
+
+
+def test_a_goal_that_loses_what_is_achieved_is_another_plan_up_to_the_way_home() -> None:
+    robot = Robot('robot-at(left)')
+    both = with_goal(CUBE + CIRCLE + HOME)
+    robot.publish(problem=both, plan='\n'.join([*LINES[:8], *BACK]))
+    rests = [(CIRCLE + HOME, 5, [*LINES[5:8], *BACK]), (HOME, 8, BACK)]
+    for goal, done, left in rests:
+        problem = with_goal(goal, PROBLEMS[done])
+
+        situation = robot.publish(problem=problem, plan='\n'.join(left))
+        assert (situation.reason, situation.like_before) == ('new task', True)
