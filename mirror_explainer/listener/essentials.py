@@ -10,6 +10,8 @@ from mirror_explainer.listener.verb_phrase import PREPOSITIONS, VerbPhrase, verb
 
 # What is taken is told from where, not with which hand or into which pocket.
 _TAKING = word_set('pick grab grasp take get collect fetch lift')
+# What is done so to a liquid gets it into something, and it is no more what it was.
+DISPENSING = word_set('dispense inject squirt drip')
 _SOMEWHERE = PREPOSITIONS | word_set('stored lies located location loc position pos parked')
 
 
@@ -82,7 +84,8 @@ class Essentials:
                 later = [i for i, p in enumerate(things) if order(p) > order(named)]
                 things.insert(later[0] if later else len(things), named)
         # What was elsewhere before goes first, then what the verb names: "load truck", "fill cup".
-        shifted = {a.arguments[0] for a in undone if len(a.arguments) > 1 and not a.about_use}
+        least = 1 if self.phrase.verb in DISPENSING else 2
+        shifted = {a.arguments[0] for a in undone if len(a.arguments) >= least and not a.about_use}
         shifted &= {p for atom in made if not atom.about_use for p in atom.arguments}
         things.sort(key=lambda p: (p not in shifted, p != self._named_first))
         return tuple(p for p in things if p not in self._hands(things))

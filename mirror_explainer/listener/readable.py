@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from mirror_explainer.listener.english import infinitive, word_set
-from mirror_explainer.listener.essentials import Essentials
+from mirror_explainer.listener.essentials import DISPENSING, Essentials
 from mirror_explainer.listener.names import VAGUE, is_code
 from mirror_explainer.listener.roles import Roles, place_kinds, words_in
 from mirror_explainer.listener.verb_phrase import (
@@ -31,7 +31,7 @@ _TO = word_set(
     'show tell serve report move'
 )
 _ONTO = word_set('screw mount bolt glue weld stack')
-_LOADING = word_set('load insert pour pack stow store')
+_LOADING = DISPENSING | word_set('load insert pour pack stow store')
 _INTO = _LOADING | word_set('put place fill drop')
 # Verbs of moving something: "move-cart" moves what the cart is.
 _MOVING = word_set(
@@ -48,6 +48,8 @@ _PICTURES = word_set(
 )
 _BUILDING = word_set('build construct install erect set')
 # Nouns of a name that stand for whatever object there is.
+# What is done into, or from, a thing of the action's name is done to something: "tip-into-press".
+_TO_WHERE = word_set('into onto from in on')
 _GENERIC = word_set(
     'room waypoint place location area zone position pose site point spot object item thing target'
 )
@@ -168,7 +170,7 @@ class _Maker:
             said[direct] = start.joined.get(direct, 'through' if through else '')
         others = [p for p in objects if p != direct]
         if not others and (source := self.it.source(direct)):
-            said[source] = 'from'
+            said[source] = 'out of' if coming == 'out of' else 'from'
         for p in others:
             given = start.joined.get(p) or coming
             coming = coming if p in start.joined else ''
@@ -192,14 +194,22 @@ class _Maker:
         verb, rest = self.it.phrase.verb, self.it.phrase.rest
         if rest and rest[0] in DIRECTIONS and verb == 'go' and objects:
             return _Start(['move'], {}, after=rest[0])
-        bare = 'up' not in rest if verb == 'pick' else not rest and len(objects) == 1
-        words = [_IN_FULL.get(verb, verb) if bare else verb]
         stands_for = {noun: parameter for parameter, noun in self.it.nouns.items()}
+        # Apples that the name tells of are picked from a tree: "pick-apples".
+        picked = rest[:1] and rest[0] not in stands_for and not self._joins_or_is_generic(rest[0])
+        bare = (
+            'up' not in rest and not picked if verb == 'pick' else not rest and len(objects) == 1
+        )
+        words = [_IN_FULL.get(verb, verb) if bare else verb]
         joined: dict[str, str] = {}
-        coming, own = '', list[str]()
+        coming, own, there = '', list[str](), list[str]()
         for word, following in zip(rest, (*rest, '')[1:], strict=True):
             both = word in PREPOSITIONS and word in PARTICLES
-            if word in stands_for:
+            if (word, following) == ('out', 'of'):
+                coming = 'out of'
+            elif word == 'of' and coming:
+                continue
+            elif word in stands_for:
                 if coming:
                     joined[stands_for[word]], coming = coming, ''
             elif word in PREPOSITIONS and (not both or len(objects) > 1 or self.it.nouns):
@@ -209,6 +219,9 @@ class _Maker:
             elif word in _GENERIC and (objects or self.it.aim):
                 continue  # it is what the object is: "search-room"
             elif word not in self.it.unsaid_nouns and following not in stands_for:
+                if objects and (there or (coming in _TO_WHERE and not own)):
+                    there, coming = [*(there or [coming]), word], ''
+                    continue
                 words += [coming] if coming else []
                 coming, own = '', [*own, word]
         if len(own) == 1 and verb in _MOVING and self.it.aim and objects:
@@ -216,8 +229,13 @@ class _Maker:
         article = [_article(own[-1])] if own and verb != 'do' else []
         if coming and not own and len(objects) < 2 and not self.it.aim:
             words += [] if self.it.source(''.join(objects)) else [coming]
-            coming = ''
-        return _Start([*words, *article, *own], joined, coming, bool(own))
+            coming = coming if coming == 'out of' else ''
+        after = ' '.join([there[0], _article(there[-1]), *there[1:]]) if there else ''
+        return _Start([*words, *article, *own], joined, coming, bool(own), after)
+
+    def _joins_or_is_generic(self, word: str) -> bool:
+        """Say whether a word of the name is no thing of its own: "from", "slowly", "object"."""
+        return word in PREPOSITIONS or word in _GENERIC or self._is_plain(word)
 
     def _is_plain(self, word: str) -> bool:
         """Say whether a word of the name is said without "the": "up", "slowly", "making"."""

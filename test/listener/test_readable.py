@@ -45,11 +45,12 @@ PREDICATES = (
     '(stored ?t - thing ?b - bay) (bay-free ?b - bay) (lit ?l - lamp) (charged) (fuel ?l - level)'
     '(shown ?t - thing ?f - film) (greeted ?p - person) (given ?t - thing ?p - person)'
     '(passed ?g - gate) (seen ?r - room) (gate-open ?a ?b - room) (fed ?h - horse)'
+    '(filled ?b - bay ?t - thing) (pressed ?t - thing) (met ?c - robot)'
 )
 OBJECTS = (
     'big_hall cold-store - room level_0 - storey red_Mug tin7 - thing bay_1 - bay '
     'desk_lamp - lamp full half - level Ms_Ito anna nurse - person colour - film '
-    'east_gate - gate x - room bella - horse'
+    'east_gate - gate x - room bella - horse vinny gripper - robot'
 )
 MOVE = '(not (at ?a)) (at ?b)'
 
@@ -131,6 +132,28 @@ SPOKEN = [
         'big_hall x',
         'open the gate between the big hall and room x',
     ),
+    (
+        action('dispense', '?t - thing ?b - bay', '(not (held ?t)) (filled ?b ?t)'),
+        'tin7 bay_1',
+        'dispense tin7 into bay 1',
+    ),
+    (
+        action('tip-into-press', '?t - thing', '(not (held ?t)) (pressed ?t)'),
+        'red_mug',
+        'tip the red Mug into the press',
+    ),
+    (
+        action('take-out-of', '?t - thing ?r - room', '(held ?t) (not (on-shelf ?t ?r))'),
+        'tin7 x',
+        'take tin7 out of room x',
+    ),
+    (
+        action('pick-grapes', '?r - room', '(seen ?r)', '(at ?r)'),
+        'big_hall',
+        'pick the grapes at the big hall',
+    ),
+    (action('greet', '?c - robot', '(met ?c)'), 'vinny', 'greet vinny'),
+    (action('greet', '?c - robot', '(met ?c)'), 'gripper', 'greet the gripper'),
     (action('do-polish', '?t - thing', '(held ?t)'), 'red_mug', 'polish the red Mug'),
     (action('wait-2', '', '(charged)'), '', 'wait 2'),
     (action('start-charging', '', '(charged)'), '', 'start charging'),
