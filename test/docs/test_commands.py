@@ -94,7 +94,8 @@ def usage(module: str) -> str:
 @pytest.mark.parametrize('name', RUN)
 def test_commands_that_need_no_robot_do_what_they_should(name: str, tmp_path: Path):
     page = next(page for page in PAGES if page.name == name)
-    (tmp_path / 'config').symlink_to(ROOT / 'config')
+    (clone := tmp_path / 'clone').mkdir()
+    (clone / 'config').symlink_to(ROOT / 'config')
     write_tutorials_files(tmp_path)
     environment = os.environ | {'PYTHONPATH': f'{ROOT}:{os.environ.get("PYTHONPATH", "")}'}
     ran = [words for words in commands(page) if words[0].startswith('python')]
@@ -103,7 +104,7 @@ def test_commands_that_need_no_robot_do_what_they_should(name: str, tmp_path: Pa
     for words in ran:
         done = subprocess.run(
             [sys.executable, *words[1:]],
-            cwd=tmp_path,
+            cwd=clone,
             env=environment,
             capture_output=True,
             text=True,

@@ -139,7 +139,7 @@ def test_a_list_of_tasks_needs_nothing_that_the_systems_python_lacks():
 
 def test_a_list_is_rehearsed_as_the_page_says(warehouse, tmp_path):
     page = (warehouse.parents[1] / 'docs' / 'behaviour_trees.md').read_text()
-    block = re.search(r'```\n(cat .*?)```', page, re.DOTALL)[1]
+    block = re.search(r'```\n(rehearsal=.*?)```', page, re.DOTALL)[1]
     (tmp_path / 'config').symlink_to(warehouse.parent)
     said = subprocess.run(
         ['bash', '-ec', block], cwd=tmp_path, capture_output=True, text=True, check=True
