@@ -79,7 +79,7 @@ def explain(
     listener = chosen(preparation.listener, question.listener, question.min_gain)
     model = preparation.model_for(listener)
     known = {*positions_of(said, said_source, model)}
-    told = {*preparation.excused, preparation.failed}  # whatever is chosen
+    told = {*preparation.excused, *preparation.failed}  # whatever is chosen
     known |= {places[-1] for places in model.places if not told.isdisjoint(places)}
     first = not known
     if not question.tell_past:

@@ -73,12 +73,9 @@ class Explanation:
     @cached_property
     def spoken(self) -> str:
         """The answer as a person hears it: like steps in one sentence, a sentence a line."""
-        sentences, failed = self.preparation.sentences, self.preparation.failed
-        lines = [self.opening]
-        if failed is not None:
-            reason = self.preparation.reasons.get(failed, '')
-            lines.append(stuck(sentences, self.model.plan.actions[failed], reason))
-        if failed is None or self._told:
+        sentences, failed = self.preparation.sentences, self._reasons(self.preparation.failed)
+        lines = [self.opening, stuck(sentences, failed)]
+        if not failed or self._told:
             lines.append(self._steps_spoken(sentences))
         return '\n'.join(filter(None, lines))
 
@@ -87,9 +84,10 @@ class Explanation:
         if all(status.is_over for status in self.preparation.statuses):
             situation = self.preparation.situation
             is_detour = situation is not None and situation.is_detour
-            return reached(sentences, told, self._excuses, is_detour)
+            excuses = self._reasons(self.preparation.excused)
+            return reached(sentences, told, excuses, is_detour)
         lines = self._lines(self._told, (p for p in self.unsaid_ends if p not in self._told))
-        if self._chosen or self.preparation.failed is not None:
+        if self._chosen or self.preparation.failed:
             return lines
         heard = {self.model.sentences[position] for position in self.known}
         is_all = heard.issuperset(self.model.sentences)
@@ -118,17 +116,18 @@ class Explanation:
 
     def _lines(self, told: Iterable[int], unsaid: Iterable[int] = ()) -> str:
         """Return what is said of the steps at these positions, where others are left unsaid."""
-        is_stuck = self.preparation.failed is not None
+        is_stuck = bool(self.preparation.failed)
         steps = self._steps(sorted(told)), self._steps(unsaid)
-        return spoken(self.preparation.sentences, *steps, is_stuck, self._excuses)
+        excuses = self._reasons(self.preparation.excused)
+        return spoken(self.preparation.sentences, *steps, is_stuck, excuses)
 
     @property
     def _seen(self) -> list[int]:
         """What is going on, where nothing of it was chosen: ends, and means in the room for them.
 
         At most `n` ends; of means as many as sentences of what was chosen are fewer than `n`, and
-        one where all that is over. What is said as something chosen, in one tense for both, is
-        not said again.
+        one where all that is over, or something failed. What is said as something chosen, in one
+        tense for both, is not said again.
         """
         chosen, statuses = sorted(self._chosen), self.preparation.statuses
         going_on = [p for p, status in enumerate(statuses) if status is StepStatus.RUNNING]
@@ -140,7 +139,8 @@ class Explanation:
         seen = sorted(p for text, p in texts.items() if text not in said)
         ends = [p for p in seen if p in self.unsaid_ends][: self.question.n]
         lines = spoken(sentences, self._steps(chosen)).splitlines()
-        least = 1 if all(statuses[p].is_over for p in chosen) else 0
+        is_past = all(statuses[p].is_over for p in chosen)
+        least = 1 if is_past or self.preparation.failed else 0
         room = max(self.question.n - len(lines), least) - len(ends)
         return ends + [p for p in seen if p not in ends][: max(0, room)]
 
@@ -149,11 +149,10 @@ class Explanation:
         actions, statuses = self.model.plan.actions, self.preparation.statuses
         return [(actions[position], statuses[position]) for position in positions]
 
-    @property
-    def _excuses(self) -> dict[str, str]:
-        """Why steps were left out, by ground action."""
+    def _reasons(self, positions: Iterable[int]) -> dict[str, str]:
+        """Return why the steps at these positions failed or were left out, by ground action."""
         reasons, actions = self.preparation.reasons, self.model.plan.actions
-        return {actions[p]: reasons[p] for p in self.preparation.excused}
+        return {actions[position]: reasons.get(position, '') for position in positions}
 
     @property
     def _heard(self) -> list[int]:

@@ -85,9 +85,9 @@ class Preparation:
         return self.situation.progress.steps
 
     @property
-    def failed(self) -> int | None:
-        """The plan position of the first step that failed, None if none did."""
-        return next(iter(self.situation.progress.failed), None) if self.situation else None
+    def failed(self) -> tuple[int, ...]:
+        """The plan positions of the steps that failed, ascending."""
+        return self.situation.progress.failed if self.situation else ()
 
     @property
     def reasons(self) -> Mapping[int, str]:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 from types import MappingProxyType
 
 from mirror_explainer.listener.english import inability, intention
@@ -83,11 +84,21 @@ def reached(
     return '\n'.join(filter(None, (spoken(sentences, steps, reasons=reasons), end)))
 
 
-def stuck(sentences: Sentences, failed: str, reason: str = '') -> str:
-    """Return what is said when a step, a ground action, failed; `reason` is the robot's own."""
-    sentence = sentences.of(failed)
-    step, *why = _with_reason(inability(sentence) or sentence, reason).split('\n', 1)
-    return '\n'.join([sentences.phrases.failed.replace('{step}', step), *why])
+def stuck(sentences: Sentences, failed: Mapping[str, str]) -> str:
+    """Return what is said when steps failed: ground actions, with the robot's reasons, '' if none.
+
+    A reason of several in a row is said once, after the last of them.
+    """
+    lines: list[str] = []
+    for reason, actions in groupby(failed, failed.__getitem__):
+        meant = [*dict.fromkeys(map(sentences.of, actions))]
+        for sentence in meant:
+            cannot, why = inability(sentence), reason if sentence == meant[-1] else ''
+            step, *rest = _with_reason(cannot or sentence, why).split('\n', 1)
+            if not (lines and cannot):
+                step = sentences.phrases.failed.replace('{step}', step)
+            lines += [step, *rest]
+    return '\n'.join(lines)
 
 
 def _with_reason(sentence: str, reason: str) -> str:

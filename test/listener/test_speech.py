@@ -133,11 +133,15 @@ def test_a_robot_at_its_goal_says_what_it_achieved() -> None:
 
 
 def test_a_robot_that_is_stuck_says_with_what() -> None:
-    assert stuck(sentences(), '(shoot mill)') == 'I am stuck: I cannot photograph the mill.'
-    assert stuck(sentences(failed='Help! {step}'), '(next a)') == 'Help! a is next.'
+    assert stuck(sentences(), {'(shoot mill)': ''}) == 'I am stuck: I cannot photograph the mill.'
+    assert stuck(sentences(failed='Help! {step}'), {'(next a)': ''}) == 'Help! a is next.'
     cannot = 'I am stuck: I cannot photograph the mill.'
-    assert stuck(sentences(), '(shoot mill)', 'it is dark') == f'{cannot}\nIt is dark.'
-    assert stuck(sentences(), '(shoot mill)', 'Why so dark?') == f'{cannot}\nWhy so dark?'
+    assert stuck(sentences(), {'(shoot mill)': 'it is dark'}) == f'{cannot}\nIt is dark.'
+    assert stuck(sentences(), {'(shoot mill)': 'Why so dark?'}) == f'{cannot}\nWhy so dark?'
+    several = {'(shoot mill)': 'it is dark', '(bring cup hall)': 'it is dark', '(next a)': ''}
+    assert stuck(sentences(), several) == (
+        f'{cannot}\nI cannot bring the cup to the hall.\nIt is dark.\nI am stuck: a is next.'
+    )
 
 
 def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None:
@@ -155,7 +159,7 @@ def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None
     assert spoken(TASKS, ahead(*names[:2]), ahead(names[2])) == (
         'I will boil water and drive to the hall.'
     )
-    assert stuck(TASKS, '(do boil_water)') == 'I am stuck: I cannot boil water.'
+    assert stuck(TASKS, {'(do boil_water)': ''}) == 'I am stuck: I cannot boil water.'
 
 
 @pytest.mark.parametrize(

@@ -156,6 +156,11 @@ def test_a_robot_may_tell_its_progress_itself(robot: Operator) -> None:
     going, spoken = report(robot), robot.answer()
     robot.publish(progress=f'{done}\nfailed: {LINES[3]}')
     stuck = robot.answer()
+    robot.publish(
+        progress=f'{done}\nrunning: {LINES[4]}\nfailed: {LINES[3]} because it is glued\n'
+        f'failed: {LINES[6]} because it is lost'
+    )
+    both = robot.answer()
     robot.publish(progress='')
     back = robot.refusal()
     robot.publish(progress=f'{done}\ndone: (fly away)')
@@ -167,6 +172,11 @@ def test_a_robot_may_tell_its_progress_itself(robot: Operator) -> None:
     assert stuck == (
         'I am stuck: I cannot grab a blue cube.\n'
         'I meant to grab a red circle.\nI meant to exit from the bottom door.'
+    )
+    assert both == (
+        'I am stuck: I cannot grab a blue cube.\nIt is glued.\n'
+        "I cannot grab a red circle.\nIt is lost.\nI am reaching the warehouses' doors.\n"
+        'I meant to exit from the bottom door.'
     )
     assert '(move left center) was done, and is not any more' in back
     assert '/progress, line 4: (fly away) is no step of the plan' in unknown
