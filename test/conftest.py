@@ -1,5 +1,6 @@
 """The example warehouse, and user models as files, for many tests."""
 
+import logging
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -10,6 +11,16 @@ from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 
 WAREHOUSE = Path(__file__).parent.parent / 'config' / 'warehouse'
+
+
+@pytest.fixture(autouse=True)
+def no_log_of_commands() -> Iterator[None]:
+    """Take away what a command writes its log to: the test's standard error, which is closed."""
+    yield
+    root = logging.getLogger()
+    for handler in [*root.handlers]:
+        if type(handler) is logging.StreamHandler:  # and none of pytest's own
+            root.removeHandler(handler)
 
 
 @pytest.fixture(scope='session')
