@@ -5,7 +5,7 @@ import gc
 import logging
 import sys
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -30,6 +30,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.errors import with_cure
+from mirror_explainer.node.deliveries import Deliveries
 from mirror_explainer.node.diagnostic_message import diagnostic_array
 from mirror_explainer.node.diagnostics import crowded, rivalry
 from mirror_explainer.node.inputs import TOPICS, Configuration, Text
@@ -116,8 +117,7 @@ class ExplainerNode(Node):
             self._configuration(), self._publish_answer, self._publish_diagnostics
         )
 
-        # The newest messages: topics, with the publishers' times in ns.
-        self._heard: deque[tuple[str, int]] = deque(maxlen=100)
+        self._deliveries = Deliveries()
         self._in_order = MutuallyExclusiveCallbackGroup()
         at_once = ReentrantCallbackGroup()
         # A volatile publisher is heard by the first, a late start made good by the second.
@@ -176,11 +176,8 @@ class ExplainerNode(Node):
 
     @_guarded
     def _hear(self, name: str, message: String, info: Mapping[str, int]) -> None:
-        sent = name, info['source_timestamp']
-        if sent[1] and sent in self._heard:
-            return  # by the other subscription: the robot has not said it again
-        self._heard.append(sent)
-        self._explainer.hear(name, Text(message.data, self.resolve_topic_name(name)))
+        if not self._deliveries.is_second(name, info['source_timestamp']):
+            self._explainer.hear(name, Text(message.data, self.resolve_topic_name(name)))
 
     @_guarded
     def _hear_what_waits(self) -> None:

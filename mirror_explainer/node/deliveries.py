@@ -1,0 +1,27 @@
+"""Messages that come twice, since a topic is heard by two subscriptions."""
+
+from collections import defaultdict, deque
+
+_REMEMBERED = 100  # messages a topic
+
+
+class Deliveries:
+    """Tells the second delivery of a message from a message that says the same again.
+
+    One subscription may be behind the other, and bring what was overtaken after what is newer:
+    that one counts again when it comes a second time, for it is what the robot said last.
+    """
+
+    def __init__(self) -> None:
+        self._sent: defaultdict[str, deque[int]] = defaultdict(lambda: deque(maxlen=_REMEMBERED))
+
+    def is_second(self, topic: str, sent: int) -> bool:
+        """Say whether a message was delivered before; `sent` is its publisher's time, in ns.
+
+        Where a middleware tells no time (0), none was.
+        """
+        before = self._sent[topic]
+        if sent and sent in before and sent <= before[-1]:
+            return True
+        before.append(sent)
+        return False
