@@ -122,8 +122,9 @@ def _of_task_lists(options: argparse.Namespace) -> tuple[str, str]:
     with Planner.of(settings) as planner:
         for candidate, each in zip(found[:_MOST_TOLD], lists, strict=False):
             name = each.name or names.of(candidate.pattern.parts) or candidate.pattern.goal
-            plan = robot_plan(task_of(each), '\n'.join(each.plan))
-            answers, more = _answers(task_of(each), plan, text, planner, settings)
+            own = task_of(each)
+            plan = robot_plan(own, '\n'.join(each.plan))
+            answers, more = _answers(own, plan, text, planner, settings)
             warnings += more
             told.append(answers.replace(_SAYS, f'{_SAYS} of "{name}"'))
     if len(lists) > _MOST_TOLD:

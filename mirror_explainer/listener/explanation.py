@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from itertools import islice
 from typing import Any
 
 from mirror_explainer.listener.explanation_formats import as_html, hypothesis_rows
@@ -110,7 +111,8 @@ class Explanation:
         if len(self._chosen) < self.question.n:
             whole = self._lines(told)
             ends = (p for p in self.unsaid_ends if p not in told)
-            others = [p for p in ends if self._lines(told, [p]) != whole]
+            heard = (p for p in ends if self._lines(told, [p]) != whole)
+            others = [*islice(heard, 2)]
             told |= {*others} if len(others) == 1 else set()
         return sorted(told)
 
@@ -213,7 +215,7 @@ class Explanation:
         """The parts of the robot's goal that no said sentence achieves, as PDDL."""
         return [str(part) for part in self.model.unmentioned(self._heard)]
 
-    @property
+    @cached_property
     def unsaid_ends(self) -> list[int]:
         """The plan positions that achieve what is unmentioned, ascending."""
         ends = self.model.way.aims[self.model.true_goal][0].ends

@@ -47,9 +47,9 @@ _PICTURES = word_set(
     'image picture photo photograph video scan measurement reading snapshot recording'
 )
 _BUILDING = word_set('build construct install erect set')
-# Nouns of a name that stand for whatever object there is.
 # What is done into, or from, a thing of the action's name is done to something: "tip-into-press".
 _TO_WHERE = word_set('into onto from in on')
+# Nouns of a name that stand for whatever object there is.
 _GENERIC = word_set(
     'room waypoint place location area zone position pose site point spot object item thing target'
 )

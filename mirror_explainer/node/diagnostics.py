@@ -154,13 +154,11 @@ def crowded(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
 
     `publishers` are the names of the nodes that publish each input.
     """
-    topics = [name for name, nodes in publishers.items() if len(nodes) > 1]
+    topics, nodes = _where_so_many_publish(2, publishers)
     if not topics:
         return None
-    nodes = sorted({node for name in topics for node in publishers[name]})
     return (
-        f'more than one node publishes {" and ".join(topics)} (named {some_of(nodes)}), and what '
-        'they tell is mixed',
+        f'more than one node publishes {topics} (named {nodes}), and what they tell is mixed',
         'Of two robots give each a namespace or ROS_DOMAIN_ID of its own; of one robot let one '
         'node publish a topic. One that was killed is forgotten after 20 s.',
     )
@@ -168,15 +166,20 @@ def crowded(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
 
 def _unreliable(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
     """Return what is wrong where nodes publish an input as best effort, and the cure."""
-    topics = [name for name, nodes in publishers.items() if nodes]
+    topics, nodes = _where_so_many_publish(1, publishers)
     if not topics:
         return None
-    nodes = sorted({node for name in topics for node in publishers[name]})
     return (
-        f'{some_of(nodes)} publishes {" and ".join(topics)} as best effort, which is not heard '
-        'here',
+        f'{nodes} publishes {topics} as best effort, which is not heard here',
         'Publish it reliably (QoS reliability: reliable).',
     )
+
+
+def _where_so_many_publish(least: int, publishers: Mapping[str, Sequence[str]]) -> tuple[str, str]:
+    """Return the topics that so many nodes publish, and these nodes, in words."""
+    topics = [name for name, nodes in publishers.items() if len(nodes) >= least]
+    nodes = sorted({node for name in topics for node in publishers[name]})
+    return ' and '.join(topics), some_of(nodes)
 
 
 def rivalry(rivals: int) -> tuple[str, str]:

@@ -216,11 +216,12 @@ class ExplainerNode(Node):
         if rivals and not self._rivals:
             _log.warning('%s', with_cure(*rivalry(rivals)))
         self._rivals = rivals
-        crowd = crowded(self._others().publishers)
+        others = self._others()
+        crowd = crowded(others.publishers)
         if crowd and crowd != self._crowd:
             _log.warning('%s', with_cure(*crowd))
         self._crowd = crowd
-        self._publish_diagnostics()
+        self._publish_diagnostics(others)
         self._ros_log.tell_counts()
         self._explainer.look_at_files()
 
@@ -264,8 +265,8 @@ class ExplainerNode(Node):
         return tuple(sorted(place for place in plans if f'{place}problem' in names))
 
     @_guarded
-    def _publish_diagnostics(self) -> None:
-        found = self._explainer.diagnose(self._others())
+    def _publish_diagnostics(self, others: Others | None = None) -> None:
+        found = self._explainer.diagnose(others or self._others())
         name = f'{self.get_fully_qualified_name().lstrip("/")}: explanation'
         stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(diagnostic_array(found, name, stamp))

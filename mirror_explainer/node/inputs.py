@@ -98,26 +98,21 @@ class Inputs:
     @property
     def is_plan_newer(self) -> bool:
         """Whether the plan came, or came again, after the progress."""
-        return bool(self.plan and self.progress and self._since_progress(self.plan) > 0.0)
+        return self._since_progress(self.plan) > 0.0
 
     @property
     def is_progress_old(self) -> bool:
         """Whether the progress came long before the plan: so it is about a plan before."""
-        return bool(
-            self.plan and self.progress and self._since_progress(self.plan) > TOGETHER_SECONDS
-        )
+        return self._since_progress(self.plan) > TOGETHER_SECONDS
 
     @property
     def begins_anew(self) -> bool:
         """Whether problem and plan both came, or came again, long after the progress."""
-        return bool(
-            self.is_progress_old
-            and self.problem
-            and self._since_progress(self.problem) > TOGETHER_SECONDS
-        )
+        return self.is_progress_old and self._since_progress(self.problem) > TOGETHER_SECONDS
 
-    def _since_progress(self, text: Text) -> float:
-        return text.heard.seconds_since(self.progress.heard) if self.progress else 0.0
+    def _since_progress(self, text: Text | None) -> float:
+        """Return how many seconds after the progress a text came, 0 where one is missing."""
+        return text.heard.seconds_since(self.progress.heard) if text and self.progress else 0.0
 
     @cached_property
     def digest(self) -> str:
