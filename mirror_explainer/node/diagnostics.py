@@ -176,9 +176,10 @@ def _unreliable(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | No
 
 
 def _where_so_many_publish(least: int, publishers: Mapping[str, Sequence[str]]) -> tuple[str, str]:
-    """Return the topics that so many nodes publish, and these nodes, in words."""
-    topics = [name for name, nodes in publishers.items() if len(nodes) >= least]
-    nodes = sorted({node for name in topics for node in publishers[name]})
+    """Return the topics that so many nodes publish whose names are known, and these, in words."""
+    known = {name: [*filter(None, nodes)] for name, nodes in publishers.items()}
+    topics = [name for name, nodes in known.items() if len(nodes) >= least]
+    nodes = sorted({node for name in topics for node in known[name]})
     return ' and '.join(topics), some_of(nodes)
 
 

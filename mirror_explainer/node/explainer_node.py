@@ -47,6 +47,8 @@ from mirror_explainer.node.start import argument_parser, parsed, refuse, write_f
 from mirror_explainer.node.surroundings import Others
 
 VOLATILE = QoSProfile(depth=1)
+# What ROS calls a node whose publisher it knows already, and not yet its name.
+_UNKNOWN = '_NODE_NAME_UNKNOWN_'
 # With the usual depth of 10, calls of more clients at once than that would get lost.
 MANY_CALLS = QoSProfile(depth=1000)
 # A call that waits holds one of the executor's threads; some are left for all else.
@@ -273,7 +275,8 @@ class ExplainerNode(Node):
 
 
 def _full_name(namespace: str, name: str) -> str:
-    return f'{namespace.rstrip("/")}/{name}'
+    """Return a node's name with its namespace, '' where ROS does not know it yet."""
+    return '' if name == _UNKNOWN else f'{namespace.rstrip("/")}/{name}'
 
 
 def _spin_once(executor: Executor) -> None:

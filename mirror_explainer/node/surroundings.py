@@ -15,10 +15,10 @@ from mirror_explainer.node.memory import descendants, resident_memory
 class Others:
     """What the node sees of other nodes: which publish each input, by name.
 
-    Of several nodes of one name each counts. `unreliable` are those that publish an input as
-    best effort, which nobody hears who wants all of it. Where there is no problem and no plan
-    here, `elsewhere` are the namespaces that have both, with a slash at the end. `rivals` counts
-    the other servers of the node's service.
+    Of several nodes of one name each counts; one whose name is not known yet is called ''.
+    `unreliable` are those that publish an input as best effort, which nobody hears who wants all
+    of it. Where there is no problem and no plan here, `elsewhere` are the namespaces that have
+    both, with a slash at the end. `rivals` counts the other servers of the node's service.
     """
 
     publishers: Mapping[str, Sequence[str]] = field(default_factory=dict)

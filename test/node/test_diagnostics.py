@@ -219,6 +219,15 @@ def test_that_two_nodes_tell_the_same_is_a_warning_whatever_else_is_wrong(
     assert failed.values['what to do'].endswith(WRONG.cure)
 
 
+def test_a_node_whose_name_is_not_known_yet_is_counted_but_not_told(ready: Readiness) -> None:
+    two = Surroundings(others=Others(PUBLISHED | {'plan': ('/a/robot', '')}, {'plan': ('',)}))
+
+    diagnosis = seen(ready, surroundings=two)
+
+    assert (diagnosis.level, diagnosis.message) == (Level.OK, 'ready')
+    assert diagnosis.values['publishers of plan'] == '2'
+
+
 def test_without_a_user_model_is_a_warning(ready: Readiness) -> None:
     diagnosis = seen(replace(ready, inputs=replace(ready.inputs, user_model_file='')))
 
