@@ -5,7 +5,6 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +23,8 @@ from mirror_explainer.listener.preparation import (
 from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
-from mirror_explainer.pddl.progress import read_progress
-from mirror_explainer.pddl.situation import Situation, situation_of
+from mirror_explainer.pddl.progress_text import read_progress
+from mirror_explainer.pddl.situation import Heard, Situation, situation_of
 from mirror_explainer.planning import Plan, Planner
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import Selection, baseline, curve
@@ -93,7 +92,7 @@ def prepare_files(
     task = read_problem(problem)
     situation = None
     if files.plan:
-        situation = _given_plan(files, task, domain, problem, read_problem)
+        situation = _given_plan(files, task, domain, problem)
         task = read_problem(situation.problem)
     user_model = read_user_model(files.user_model, task)
     read = time.perf_counter() - started
@@ -139,22 +138,21 @@ def explain_files(
     return explain(preparation, Question(**question), said)
 
 
-def _given_plan(
-    files: Files, task: Task, domain: str, problem: str, read_problem: Callable[[str], Task]
-) -> Situation:
+def _given_plan(files: Files, task: Task, domain: str, problem: str) -> Situation:
     """Return the situation of a robot with a plan: the problem may lie in the middle of it."""
     path, told_by = str(files.plan), str(files.progress or '')
     steps = without_dummy(task, read_plan(read_text(path), path))
-    told = read_text(told_by) if told_by else None
-    tells = None if told is None else partial(read_progress, told, source=told_by)
+    progress = read_progress(read_text(told_by), told_by) if told_by else None
     try:
-        situation = situation_of(domain, problem, steps, read_problem, path, tells=tells)
+        situation = situation_of(Heard(domain, problem, task, steps, path, progress=progress))
     except InputError as error:
         if steps:
             raise
         cure = 'Leave --plan out, and a plan is made.'
         raise NoPlanError(path, EMPTY_PLAN, cure=cure) from error
-    return situation if told is None else situation.telling(told, told_by)
+    if progress is None:
+        return situation
+    return situation.telling(progress.of(situation.episode.actions), told_by)
 
 
 def _own_plan(

@@ -122,6 +122,7 @@ class InputReader:
         read_file = partial(self.files.read, limits=limits)
         domain = self._domain(inputs)
         read = partial(self._read, domain, inputs, stop)
+        task = read(problem.text)
 
         def user_model_for(task: Task) -> UserModel:
             if inputs.user_model_file:
@@ -135,9 +136,9 @@ class InputReader:
         prior = before.preparation.prior if before else None
         heeded = (prior.facts, prior.common_parts) if prior else ()
         try:
-            situation = self._robot.update(domain.text, inputs, read, *heeded)
+            situation = self._robot.update(domain.text, inputs, task, *heeded)
         except InputError:
-            user_model_for(read(problem.text))  # it has the words in which to tell of that
+            user_model_for(task)  # it has the words in which to tell of that
             raise
         stop.check()
         made_for = (

@@ -1,16 +1,17 @@
 """What the robot is doing, from one of its messages to the next."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection
 from dataclasses import replace
-from functools import partial
 
 from mirror_explainer.errors import InputError, NoPlanError
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.pddl import Task
-from mirror_explainer.pddl.plan_text import Step, read_plan, without_dummy
-from mirror_explainer.pddl.progress import Progress, is_about, read_progress
+from mirror_explainer.pddl.plan_text import read_plan, without_dummy
+from mirror_explainer.pddl.progress import Progress
+from mirror_explainer.pddl.progress_text import ProgressText, read_progress
 from mirror_explainer.pddl.situation import (
+    Heard,
     Situation,
     begun_again,
     gone_back,
@@ -46,80 +47,82 @@ class RobotStatus:
         self,
         domain: str,
         inputs: Inputs,
-        read: Callable[[str], Task],
+        task: Task,
         uncertain: Collection[str] = (),
         common: Collection[str] = (),
     ) -> Situation:
-        """Return the situation by the newest inputs; `read` reads a problem with its domain.
+        """Return the situation by the newest inputs; `task` is that of their problem and `domain`.
 
         `uncertain` are the facts that the listener is unsure of, `common` the parts of every goal
-        that they think of. Raises InputError, and
-        NoPlanError if there is nothing to do.
+        that they think of. Raises InputError, and NoPlanError if there is nothing to do.
         """
         problem, plan, before = inputs.problem, inputs.plan, self._situation
         assert problem and plan  # nothing is missing
-        steps = without_dummy(read(problem.text), read_plan(plan.text, plan.source, inputs.limits))
+        steps = without_dummy(task, read_plan(plan.text, plan.source, inputs.limits))
+        heard = Heard(domain, problem.text, task, steps, plan.source, inputs.limits)
         progress = inputs.progress if inputs.progress is not self._stale else None
-        tells = None
-        is_of_other = inputs.is_progress_old or self._is_of_plan_before(inputs, steps)
-        if progress and not is_of_other:
-            tells = partial(read_progress, progress.text, source=progress.source)
-        is_told = bool(progress or (before and before.told))
-        given = (domain, problem.text, steps, read, plan.source, inputs.limits, tells)
-        first = partial(situation_of, *given)
-        try:
-            if before is None:
-                situation = first()
-            else:
-                situation = next_situation(before, *given, uncertain, is_told, common)
-        except InputError as error:
-            if steps:
-                raise
-            self._has_stopped = True
-            raise NoPlanError(
-                plan.source,
-                'the robot has no current plan',
-                cure='Nothing is to be done if it has no task now: its next plan is explained.',
-            ) from error
+        text = read_progress(progress.text, progress.source) if progress else None
+        if text and not (inputs.is_progress_old or self._is_of_plan_before(inputs, text, heard)):
+            heard = replace(heard, progress=text)
+        is_told = bool(text or (before and before.told))
+        situation = self._by_state(heard, uncertain, is_told, common)
         is_new = before is None or situation.number != before.number
         is_anew = inputs.begins_anew and self._is_first_time(problem, plan)
         undone = None
-        if progress and before and is_anew and not is_new:
-            situation = taken_up_again(situation, read(problem.text), first, uncertain)
+        if text and before and is_anew and not is_new:
+            situation = taken_up_again(situation, heard, uncertain)
             is_new = situation.number != before.number
             undone = before.told if is_new else None
         if is_new and self._has_stopped:  # it did not go from one task to the other
             situation = replace(situation, is_detour=False)
-        if progress and tells is None and (is_new or is_anew):
-            self._stale, progress = progress, None  # it is about the plan before
-        elif progress == self._stale and not _fits(progress, situation.episode.actions):
-            progress = None  # and is told once more
-        if progress:
-            told = read_progress(progress.text, situation.episode.actions, source=progress.source)
+        if text and heard.progress is None and (is_new or is_anew):
+            self._stale, text = progress, None  # it is about the plan before
+        elif text and progress == self._stale and not text.is_about(situation.episode.actions):
+            text = None  # and is told once more
+        if text:
+            told = text.of(situation.episode.actions)
             if problem.text != self._told_in or self._is_plan_again(plan, situation, told):
-                situation = gone_back(situation, told, first)
+                situation = gone_back(situation, told, heard)
             if situation.begins_again(told):
                 situation = begun_again(situation)
-            situation = situation.telling(progress.text, progress.source)
+            situation = situation.telling(told, text.source)
         if before is None or situation.number != before.number:
             self._began = inputs.newest
             self._undone, self._repeats = undone, False
-        elif progress and situation.told and self._undone:
+        elif text and situation.told and self._undone:
             self._repeats = not situation.told.undone(self._undone)
             self._undone = None
-        if progress and progress != self._told:
+        if text and progress != self._told:
             self._told, self._told_in = progress, problem.text
         self._situation, self._has_stopped = situation, False
         return situation
 
-    def _is_of_plan_before(self, inputs: Inputs, steps: Sequence[Step]) -> bool:
+    def _by_state(
+        self, heard: Heard, uncertain: Collection[str], is_told: bool, common: Collection[str]
+    ) -> Situation:
+        """Return the situation by the robot's task and plan; raises as `update`."""
+        try:
+            if self._situation is None:
+                return situation_of(heard)
+            return next_situation(self._situation, heard, uncertain, is_told, common)
+        except InputError as error:
+            if heard.steps:
+                raise
+            self._has_stopped = True
+            raise NoPlanError(
+                heard.source,
+                'the robot has no current plan',
+                cure='Nothing is to be done if it has no task now: its next plan is explained.',
+            ) from error
+
+    def _is_of_plan_before(self, inputs: Inputs, text: ProgressText, heard: Heard) -> bool:
         """Say whether progress that came before a plan, or was told before, fits only another."""
-        progress, before = inputs.progress, self._situation
+        before = self._situation
         return (
             before is not None
-            and (inputs.is_plan_newer or progress == self._told)
-            and _fits(progress, before.episode.actions)
-            and not _fits(progress, [step.action for step in steps])
+            and (inputs.is_plan_newer or inputs.progress == self._told)
+            and text.is_about(before.episode.actions)
+            and not text.is_about(heard.actions)
         )
 
     def _is_first_time(self, problem: Text, plan: Text) -> bool:
@@ -139,7 +142,3 @@ class RobotStatus:
         """
         since = plan.heard.seconds_since(self._told.heard) if self._told else 0.0
         return since > 0.0 and situation.episode.comes_to(told)
-
-
-def _fits(progress: Text | None, actions: Sequence[str]) -> bool:
-    return progress is not None and is_about(progress.text, actions)

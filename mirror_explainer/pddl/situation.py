@@ -1,8 +1,9 @@
 """Where the robot is: in which episode, and how far; made anew by each of its messages."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.input_limits import InputLimits
@@ -11,15 +12,40 @@ from mirror_explainer.pddl.following import follow
 from mirror_explainer.pddl.plan_check import missing_goals
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.problem_text import with_state
-from mirror_explainer.pddl.progress import Progress, StepStatus, read_progress
-from mirror_explainer.pddl.states import Evaluator, UnknownNumberError
+from mirror_explainer.pddl.progress import Progress, StepStatus
+from mirror_explainer.pddl.progress_text import ProgressText
+from mirror_explainer.pddl.states import Evaluator, State, UnknownNumberError
 from mirror_explainer.pddl.task import Task
 
 FIRST, NEW_TASK, AGAIN = 'first', 'new task', 'again'
 REPLANNED, RESTARTED, RESUMED = 'replanned', 'restarted', 'resumed'
 
-# Returns the progress that the robot tells of a plan with these actions.
-Tells = Callable[[Sequence[str]], Progress]
+
+@dataclass(frozen=True)
+class Heard:
+    """What was heard of a robot last: the texts of its task, that task as read, and its plan.
+
+    The plan is from `source`, and within `limits`; `progress` is what the robot tells of it,
+    None if that is nothing.
+    """
+
+    domain: str
+    problem: str
+    task: Task
+    steps: Sequence[Step]
+    source: str = 'plan'
+    limits: InputLimits | None = None
+    progress: ProgressText | None = None
+
+    @property
+    def actions(self) -> tuple[str, ...]:
+        """The steps as canonical texts."""
+        return tuple(step.action for step in self.steps)
+
+    @cached_property
+    def state(self) -> State:
+        """The state that the problem tells."""
+        return Evaluator(self.task).first_state()
 
 
 @dataclass(frozen=True)
@@ -68,46 +94,42 @@ class Situation:
         """Say whether a robot that was done tells that it is not any more."""
         return self.told is not None and self.told.finished and not told.finished
 
-    def telling(self, text: str, source: str = 'progress') -> 'Situation':
-        """Return the situation with the progress that the robot tells. Raises InputError."""
-        told = read_progress(text, self.episode.actions, self.told, source)
+    def telling(self, told: Progress, source: str) -> 'Situation':
+        """Return the situation with the progress that the robot tells, by a text from `source`.
+
+        Raises InputError for a step that was done, and is not any more.
+        """
+        undone = told.undone(self.told) if self.told else ()
+        if undone:
+            raise InputError(
+                source,
+                f'{self.episode.actions[undone[0]]} was done, and is not any more',
+                cure='A robot that begins again publishes its plan again; each message is the '
+                'whole progress, what is done included.',
+            )
         return replace(self, told=told)
 
 
-def situation_of(
-    domain: str,
-    problem: str,
-    steps: Sequence[Step],
-    read: Callable[[str], Task],
-    source: str = 'plan',
-    limits: InputLimits | None = None,
-    tells: Tells | None = None,
-) -> Situation:
+def situation_of(heard: Heard) -> Situation:
     """Return the situation in which a robot is first heard of.
 
-    `read` reads a problem's text, together with the domain. What the robot `tells` to be done
-    of its plan belongs to the episode, also where its state has it already. Raises InputError
-    for a plan that has nothing to do with the problem's state, and as `tells` does.
+    What it tells to be done of its plan belongs to the episode, also where its state has it
+    already. Raises InputError for a plan that has nothing to do with the problem's state, and for
+    progress that is not about the plan.
     """
-    task = read(problem)
-    told = tells([step.action for step in steps]) if tells and steps else Progress.none(0)
-    done = told.positions(StepStatus.DONE)
-    episode, progress = begin(task, steps, source, limits, done)
-    if episode.first != Evaluator(task).first_state():
+    told = heard.progress.of(heard.actions) if heard.progress and heard.steps else None
+    done = told.positions(StepStatus.DONE) if told else ()
+    episode, progress = begin(heard.task, heard.steps, heard.source, heard.limits, done)
+    problem = heard.problem
+    if episode.first != heard.state:
         problem = with_state(problem, episode.first)
     began = datetime.now().astimezone()
-    return Situation(episode, progress, domain, problem, began=began)
+    return Situation(episode, progress, heard.domain, problem, began=began)
 
 
 def next_situation(
     before: Situation,
-    domain: str,
-    problem: str,
-    steps: Sequence[Step],
-    read: Callable[[str], Task],
-    source: str = 'plan',
-    limits: InputLimits | None = None,
-    tells: Tells | None = None,
+    heard: Heard,
     uncertain: Collection[str] = (),
     is_told: bool = False,
     common: Collection[str] = (),
@@ -120,17 +142,15 @@ def next_situation(
     its state. Raises InputError.
     """
     same_goal = like_before = False
-    if domain == before.domain:
-        task = read(problem)
-        same_goal = goal_of(task) == before.episode.goal
-        if same_goal and is_told and tuple(s.action for s in steps) == before.episode.actions:
+    if heard.domain == before.domain:
+        same_goal = goal_of(heard.task) == before.episode.goal
+        if same_goal and is_told and heard.actions == before.episode.actions:
             return before
-        state = Evaluator(task).first_state()
-        seen = follow(before.episode, state, before.seen, steps, uncertain, task)
+        seen = follow(before.episode, heard.state, before.seen, heard.steps, uncertain, heard.task)
         if seen is not None:
             return replace(before, seen=seen)
-        like_before = not same_goal and _is_like(before, task, common)
-    new = situation_of(domain, problem, steps, read, source, limits, tells)
+        like_before = not same_goal and _is_like(before, heard.task, common)
+    new = situation_of(heard)
     put_off, is_detour = before.put_off, False
     if same_goal and before.progress.finished:
         reason = AGAIN
@@ -169,16 +189,15 @@ def begun_again(situation: Situation) -> Situation:
     )
 
 
-def gone_back(situation: Situation, told: Progress, first: Callable[[], Situation]) -> Situation:
+def gone_back(situation: Situation, told: Progress, heard: Heard) -> Situation:
     """Return the situation of a robot that does steps of its plan again, from a newer state.
 
-    It is `told`, and the state agrees; else nothing has changed. `first` returns its situation
-    by its newest messages, were they the first, as `situation_of` does.
+    It is `told`, and the state that was heard agrees; else nothing has changed.
     """
     if situation.told is None or not told.undone(situation.told):
         return situation
     try:
-        new = first()
+        new = situation_of(heard)
     except InputError:
         return situation
     if new.episode.actions != situation.episode.actions or told.undone(new.seen):
@@ -192,20 +211,17 @@ def gone_back(situation: Situation, told: Progress, first: Callable[[], Situatio
 
 
 def taken_up_again(
-    situation: Situation,
-    task: Task,
-    first: Callable[[], Situation],
-    uncertain: Collection[str] = (),
+    situation: Situation, heard: Heard, uncertain: Collection[str] = ()
 ) -> Situation:
     """Return the situation of a robot that begins with its plan, and has told nothing since.
 
     Where the state is that in which the episode began, and nowhere that it is known to be by
     now, it starts again; else it tries again what failed.
     """
-    episode, state, told = situation.episode, Evaluator(task).first_state(), situation.told
+    episode, state, told = situation.episode, heard.state, situation.told
     is_begin = episode.agrees(state, 0, uncertain) is not False
-    if is_begin and not follow(episode, state, situation.progress, None, uncertain, task):
-        return gone_back(situation, Progress.none(len(episode.steps)), first)
+    if is_begin and not follow(episode, state, situation.progress, None, uncertain, heard.task):
+        return gone_back(situation, Progress.none(len(episode.steps)), heard)
     return replace(situation, told=told and told.without_failures)
 
 

@@ -1,5 +1,6 @@
 """What a robot is doing by one message after the other, with their times, and no thread."""
 
+import re
 from functools import cache
 
 import pytest
@@ -45,7 +46,9 @@ class Robot:
         for name, text in texts.items():
             self.passes(0.001)
             self._inputs = self._inputs.hearing(name, Text(text, f'/{name}', Moment(self._now)))
-        return self._status.update(DOMAIN, self._inputs, read, common=self._common)
+        assert self._inputs.problem
+        task = read(self._inputs.problem.text)
+        return self._status.update(DOMAIN, self._inputs, task, common=self._common)
 
 
 def shown(situation: Situation) -> tuple[int, str, str]:
@@ -87,7 +90,7 @@ def test_a_plan_that_comes_again_with_its_first_progress_is_started_again(
 def test_so_it_is_where_the_plan_comes_behind_its_progress_or_there_was_none_meanwhile(
     robot: Robot,
 ) -> None:
-    with pytest.raises(InputError, match='was done, and is not any more'):
+    with pytest.raises(InputError, match=rf'{re.escape(LINES[0])} was done, and is not any more'):
         robot.publish(progress=told(0))
     assert shown(robot.publish(plan=PLAN)) == (2, 'restarted', 'raaaaa')
     robot.publish(progress=told(5))
