@@ -14,9 +14,9 @@ import mirror_explainer.selection.one_thread  # noqa: F401
 from mirror_explainer.commands.drafting.document import document
 from mirror_explainer.commands.drafting.facts import Doubts, doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
+from mirror_explainer.commands.drafting.missions import Mission, read_missions
 from mirror_explainer.commands.drafting.patterns import Pattern, World
 from mirror_explainer.commands.drafting.reach import within_reach
-from mirror_explainer.commands.drafting.task_lists import TaskList, read_task_lists
 from mirror_explainer.commands.drafting.words import drafted_names, drafted_words
 from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
@@ -26,7 +26,7 @@ from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.goals_seen import read_goals_seen
 from mirror_explainer.listener.preparation import RobotPlan, plan_for_robot, prepare, refine
-from mirror_explainer.listener.robot_tasks import DOMAIN, problem_text
+from mirror_explainer.listener.robot_tasks import DOMAIN, action_text, goal_text, problem_text
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.planning import Planner
@@ -54,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.output and os.path.isfile(options.output) and not options.force:
             cure = 'Name another one as --output, or write over it with --force.'
             raise InputError(options.output, 'there is such a file already', cure=cure)
-        text, answers = _of_task_lists(options) if options.tasks else _of_texts(options)
+        text, answers = _of_missions(options) if options.tasks else _of_texts(options)
         if options.output:
             write_text(options.output, text)
             tell(answers, 'bold green')
@@ -99,36 +99,36 @@ def _of_texts(options: argparse.Namespace) -> tuple[str, str]:
     return _headed(text, answers, warnings)
 
 
-def _of_task_lists(options: argparse.Namespace) -> tuple[str, str]:
+def _of_missions(options: argparse.Namespace) -> tuple[str, str]:
     """Return the same for a robot that has lists of tasks, and no PDDL."""
-    lists = read_task_lists(options.tasks)
+    missions = read_missions(options.tasks)
     settings = settings_from(PlanningSettings, options)
-    known = list(dict.fromkeys(task for each in lists for task in each.tasks))
+    known = list(dict.fromkeys(task for each in missions for task in each.tasks))
 
-    def task_of(listed: TaskList) -> Task:
-        return read_task(DOMAIN, problem_text(known, (), f'(and {" ".join(listed.parts)})'))
+    def task_of(mission: Mission) -> Task:
+        return read_task(DOMAIN, problem_text(known, (), goal_text(mission.tasks)))
 
-    task, steps = task_of(lists[0]), [f'(do {name})' for name in known]
+    task, steps = task_of(missions[0]), [*map(action_text, known)]
     words = drafted_words(task, steps)
     names = drafted_names(task, words, steps)
     found = [
         Candidate(Pattern(each.parts), float(each.count), 1, f'in {options.tasks}', name=each.name)
-        for each in lists
+        for each in missions
     ]
     no_doubts = Doubts((), (), 0, True)
     text = document(found, no_doubts, frozenset(), words, names, rationality=1.0)
     told: list[str] = []
     warnings: list[str] = []
     with Planner.of(settings) as planner:
-        for candidate, each in zip(found[:_MOST_TOLD], lists, strict=False):
+        for candidate, each in zip(found[:_MOST_TOLD], missions, strict=False):
             name = each.name or names.of(candidate.pattern.parts) or candidate.pattern.goal
             own = task_of(each)
-            plan = robot_plan(own, '\n'.join(each.plan))
+            plan = robot_plan(own, '\n'.join(map(action_text, each.tasks)))
             answers, more = _answers(own, plan, text, planner, settings)
             warnings += more
             told.append(answers.replace(_SAYS, f'{_SAYS} of "{name}"'))
-    if len(lists) > _MOST_TOLD:
-        told.append(f'(likewise of {len(lists) - _MOST_TOLD} more)')
+    if len(missions) > _MOST_TOLD:
+        told.append(f'(likewise of {len(missions) - _MOST_TOLD} more)')
     return _headed(text, '\n'.join(told), warnings)
 
 

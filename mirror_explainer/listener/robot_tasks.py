@@ -34,14 +34,29 @@ def named_tasks(user_model: str) -> list[str]:
     return re.findall(r'\(\s*done\s+([^\s(){}]+)\s*\)', user_model, re.IGNORECASE)
 
 
+def action_text(task: str) -> str:
+    """Return the action that does the task of this name."""
+    return f'(do {task})'
+
+
+def done_text(task: str) -> str:
+    """Return the fact that the task of this name is done."""
+    return f'(done {task})'
+
+
+def goal_text(tasks: Iterable[str]) -> str:
+    """Return the goal that the tasks of these names are done."""
+    return f'(and {" ".join(map(done_text, tasks))})'
+
+
 def problem_text(known: Collection[str], done: Collection[str], goal: str) -> str:
     """Return the problem in which these tasks are known, and these done.
 
     A robot that never had a goal has one here that no plan will reach: it is not done.
     """
     if not goal:
-        known, goal = [*known, _NEVER], f'(done {_NEVER})'
-    facts = ' '.join(f'(done {name})' for name in sorted(done))
+        known, goal = [*known, _NEVER], done_text(_NEVER)
+    facts = ' '.join(map(done_text, sorted(done)))
     return (
         f'(define (problem tasks) (:domain tasks)\n  (:objects {" ".join(sorted(known))} - task)\n'
         f'  (:init {facts})\n  (:goal {goal}))\n'

@@ -5,7 +5,7 @@ the domain of `config/tasks`, where a task is something that gets done, this is 
 """
 
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -14,6 +14,8 @@ from rclpy.node import Node
 from mirror_explainer.errors import InputError, did_you_mean
 from mirror_explainer.listener.robot_tasks import (
     DOMAIN,
+    action_text,
+    goal_text,
     named_tasks,
     problem_text,
     spelling,
@@ -36,7 +38,7 @@ _TOLD = re.compile(r'([^\W\d_]+)\s*:\s*(.*)')  # a word before a colon, and the 
 _BECAUSE = re.compile(r'\s+because\b:?\s*', re.IGNORECASE)
 
 
-class _Task(NamedTuple):
+class ListedTask(NamedTuple):
     """A task, how it stands, and why it does, '' if that is not told."""
 
     name: str
@@ -65,7 +67,7 @@ class TaskList:
         self._known = spelling([*named, *known])
         self._by_letters = {_letters(name): name for name in self._known.values()}
         self._goal = ''
-        self._list: list[_Task] = []  # as it was told last, with these ends
+        self._list: list[ListedTask] = []  # as it was told last, with these ends
         self._ends: Collection[str] = ()
         self._log, self._warned = node.get_logger(), set[str]()
         self._tree: TreeNode | None = None  # that has been ticked
@@ -85,7 +87,7 @@ class TaskList:
         nothing to do; with a `reason` it had to stop what it was told to be at, which failed.
         """
         with self._faults_told():
-            told = _one_after_the_other([_checked(task) for task in tasks])
+            told = _one_after_the_other([checked_task(task) for task in tasks])
             if reason and not told:
                 told = _broken_off(self._list)
                 ends = self._ends if told else ends
@@ -99,7 +101,7 @@ class TaskList:
             tasks = parsed_tasks(text)
         self.tell(tasks)
 
-    def _tell(self, tasks: list[_Task], ends: Collection[str]) -> None:
+    def _tell(self, tasks: list[ListedTask], ends: Collection[str]) -> None:
         tasks = [task._replace(name=self._as_known(task.name)) for task in tasks]
         ends = [self._as_known(end) for end in ends]
         texts = task_texts(tasks, ends)
@@ -129,7 +131,7 @@ class TaskList:
             tasks = [] if is_given_up else tree_tasks(root, leaves, self._tree_tasks)
             self._tree, self._tree_tasks = self._tree if is_reset else root, tasks
             named = {task for task, *_ in tasks}
-            told = [_checked(task) for task in tasks]
+            told = [checked_task(task) for task in tasks]
             if any(task.standing == 'failed' for task in told):
                 told = _reasoned(told, failure_reason(root, leaves))
             self._tell(told, [end for end in ends if end in named])
@@ -163,22 +165,21 @@ class TaskTexts(NamedTuple):
     progress: str
 
 
-def task_texts(tasks: Iterable[ToldTask], ends: Collection[str] = ()) -> TaskTexts:
-    """Return the texts of tasks and their standings; raises InputError as TaskList.tell."""
-    told = [_checked(task) for task in tasks]
-    names = spelling(task.name for task in told)
-    named = [task._replace(name=task_name(task.name).lower()) for task in told]
+def task_texts(tasks: Sequence[ListedTask], ends: Collection[str] = ()) -> TaskTexts:
+    """Return the texts of a list of tasks; raises InputError for a name or an end that is none."""
+    names = spelling(task.name for task in tasks)
+    named = [task._replace(name=task_name(task.name).lower()) for task in tasks]
     for end in ends:
         if task_name(end).lower() not in names:
-            raise _no_task(end, [task.name for task in told])
+            raise _no_task(end, [task.name for task in tasks])
     goals = dict.fromkeys([task_name(end).lower() for end in ends] or names)
     return TaskTexts(
         names=names,
         done=frozenset(task.name for task in named if task.standing == 'done'),
-        goal=f'(and {" ".join(f"(done {name})" for name in goals)})' if goals else '',
-        plan='\n'.join(f'(do {task.name})' for task in named),
+        goal=goal_text(goals) if goals else '',
+        plan='\n'.join(action_text(task.name) for task in named),
         progress='\n'.join(
-            f'{task.standing}: (do {task.name}){_because(task.reason)}'
+            f'{task.standing}: {action_text(task.name)}{_because(task.reason)}'
             for task in named
             if task.standing != 'ahead'
         ),
@@ -212,8 +213,8 @@ def parsed_tasks(text: str) -> list[ToldTask]:
     return tasks
 
 
-def _checked(given: object) -> _Task:
-    """Return a task, its standing and the reason for that; raises InputError for what is none."""
+def checked_task(given: object) -> ListedTask:
+    """Return a task with its standing, and a reason if it has one; raises InputError."""
     match given:
         case [str(task), str(standing)]:
             reason = ''
@@ -229,10 +230,10 @@ def _checked(given: object) -> _Task:
         raise InputError('tasks', f'a task is {", ".join(STANDINGS)}, not "{standing}"{meant}')
     if reason and standing not in REASONED:
         raise InputError('tasks', f'"{task}" is {standing}: it needs no reason')
-    return _Task(task, standing, reason)
+    return ListedTask(task, standing, reason)
 
 
-def _one_after_the_other(tasks: list[_Task]) -> list[_Task]:
+def _one_after_the_other(tasks: list[ListedTask]) -> list[ListedTask]:
     """Return tasks done in this order: what failed before a later one began was skipped."""
     begun = [at for at, task in enumerate(tasks) if task.standing in ('running', 'done')]
     last = max(begun, default=0)
@@ -242,7 +243,7 @@ def _one_after_the_other(tasks: list[_Task]) -> list[_Task]:
     ]
 
 
-def _broken_off(tasks: list[_Task]) -> list[_Task]:
+def _broken_off(tasks: list[ListedTask]) -> list[ListedTask]:
     """Return the tasks of a robot that had to stop: what it was at failed, or was to do next.
 
     None where nothing was left to do.
@@ -252,7 +253,7 @@ def _broken_off(tasks: list[_Task]) -> list[_Task]:
     return [task._replace(standing='failed') if task in failed else task for task in tasks if left]
 
 
-def _reasoned(tasks: list[_Task], reason: str) -> list[_Task]:
+def _reasoned(tasks: list[ListedTask], reason: str) -> list[ListedTask]:
     """Return tasks with the reason of those that failed, else of the last that was skipped."""
     failed = [at for at, task in enumerate(tasks) if task.standing == 'failed']
     skipped = [at for at, task in enumerate(tasks) if task.standing == 'skipped']

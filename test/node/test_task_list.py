@@ -4,7 +4,7 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 
 import pytest
@@ -18,6 +18,8 @@ from mirror_explainer.node.robot_topics import RobotTopics
 from mirror_explainer.node.surroundings import Others
 from mirror_explainer.node.task_list import (
     TaskList,
+    TaskTexts,
+    checked_task,
     parsed_tasks,
     task_texts,
 )
@@ -28,8 +30,13 @@ TEA = ['Drive to the kitchen', 'Boil water', 'Bring the tea']
 TEA_AHEAD = ('Bring the tea', 'ahead')
 
 
+def texts_of(tasks: Iterable[object], ends: Sequence[str] = ()) -> TaskTexts:
+    """Return the texts of tasks that `TaskList.tell` is given."""
+    return task_texts([checked_task(task) for task in tasks], ends)
+
+
 def test_a_list_of_tasks_is_a_plan_whose_goal_is_that_all_are_done():
-    texts = task_texts([('Boil water', 'done'), ('Bring the tea', 'running')])
+    texts = texts_of([('Boil water', 'done'), ('Bring the tea', 'running')])
     assert texts.plan == '(do boil_water)\n(do bring_the_tea)'
     assert texts.progress == 'done: (do boil_water)\nrunning: (do bring_the_tea)'
     assert texts.goal == '(and (done boil_water) (done bring_the_tea))'
@@ -38,18 +45,18 @@ def test_a_list_of_tasks_is_a_plan_whose_goal_is_that_all_are_done():
 
 
 def test_with_ends_only_these_are_the_goal():
-    texts = task_texts([('Boil water', 'ahead'), ('Bring the tea', 'ahead')], ['Bring the tea'])
+    texts = texts_of([('Boil water', 'ahead'), ('Bring the tea', 'ahead')], ['Bring the tea'])
     assert texts.goal == '(and (done bring_the_tea))'
 
 
 def test_an_end_that_is_none_of_the_tasks_is_refused():
     tasks = [('Boil water', 'ahead'), ('Bring the tea', 'ahead')]
     with pytest.raises(InputError, match='"Bring tea" is none of the tasks .*"Bring the tea"'):
-        task_texts(tasks, ['Bring tea'])
+        texts_of(tasks, ['Bring tea'])
 
 
 def test_a_task_that_comes_twice_is_twice_in_the_plan_and_once_in_the_goal():
-    texts = task_texts([('Wait', 'done'), ('Knock', 'done'), ('Wait', 'running')])
+    texts = texts_of([('Wait', 'done'), ('Knock', 'done'), ('Wait', 'running')])
     assert texts.plan == '(do wait)\n(do knock)\n(do wait)'
     assert texts.goal == '(and (done wait) (done knock))'
 
@@ -76,15 +83,15 @@ def test_the_domain_in_the_files_is_the_one_that_is_published(warehouse):
 
 def test_a_task_without_a_name_and_a_standing_that_there_is_not_are_refused():
     with pytest.raises(InputError, match='a task needs a name, which "!" is not'):
-        task_texts([('!', 'done')])
+        texts_of([('!', 'done')])
     with pytest.raises(InputError, match='not "runing" .did you mean "running"'):
-        task_texts([('Boil water', 'runing')])
+        texts_of([('Boil water', 'runing')])
 
 
 @pytest.mark.parametrize('tasks', [['Boil water'], {'Boil water': 'done'}, [('Boil water', None)]])
 def test_a_task_without_its_standing_is_refused(tasks):
     with pytest.raises(InputError, match=r"each task goes with its standing, \('boil water'"):
-        task_texts(tasks)
+        texts_of(tasks)
 
 
 def test_a_text_names_a_task_a_line():
@@ -109,15 +116,15 @@ def test_a_text_with_another_word_for_how_a_task_stands_is_refused():
 
 def test_what_failed_or_was_skipped_has_its_reason_on_one_line_without_a_comment():
     tasks = [('Boil water', 'done'), ('Bring the tea', 'failed', 'It is late;\n9 pm.')]
-    texts = task_texts(tasks)
+    texts = texts_of(tasks)
     failed = 'failed: (do bring_the_tea) because It is late, 9 pm.'
     assert texts.progress == f'done: (do boil_water)\n{failed}'
     tasks = [('Knock', 'skipped', 'No one\ncame.'), ('Bring the tea', 'failed', ' ')]
-    assert task_texts(tasks).progress == (
+    assert texts_of(tasks).progress == (
         'skipped: (do knock) because No one came.\nfailed: (do bring_the_tea)'
     )
     with pytest.raises(InputError, match='"Boil water" is done: it needs no reason'):
-        task_texts([('Boil water', 'done', 'It is late.')])
+        texts_of([('Boil water', 'done', 'It is late.')])
 
 
 def test_a_user_model_names_tasks(warehouse):

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.listener.goals_seen import read_goals_seen
-from mirror_explainer.listener.robot_tasks import named_tasks, task_name
+from mirror_explainer.listener.robot_tasks import done_text, named_tasks, task_name
 from mirror_explainer.text_files import read_text
 
 _EXAMPLE = 'Write a list a line: "serve tea: drive to the kitchen, boil water, bring the tea".'
 
 
 @dataclass(frozen=True)
-class TaskList:
+class Mission:
     """Tasks by their names in PDDL, in order, what they are for ('' if not told), how often."""
 
     tasks: tuple[str, ...]
@@ -23,15 +23,10 @@ class TaskList:
     @property
     def parts(self) -> tuple[str, ...]:
         """The parts of the goal that all of them are done."""
-        return tuple(f'(done {task})' for task in self.tasks)
-
-    @property
-    def plan(self) -> list[str]:
-        """The actions that do them."""
-        return [f'(do {task})' for task in self.tasks]
+        return tuple(map(done_text, self.tasks))
 
 
-def read_task_lists(path: str) -> list[TaskList]:
+def read_missions(path: str) -> list[Mission]:
     """Return the lists in a file; the same ones count once more. Raises InputError.
 
     A line is a name and a colon, if it has one, and tasks with commas between; one that begins
@@ -48,10 +43,10 @@ def read_task_lists(path: str) -> list[TaskList]:
         tasks = same.setdefault(frozenset(each.tasks), each.tasks)
         names[tasks] = names.get(tasks) or each.name
         counts[tasks] += each.count
-    return [TaskList(tasks, names[tasks], count) for tasks, count in counts.items()]
+    return [Mission(tasks, names[tasks], count) for tasks, count in counts.items()]
 
 
-def _of_lines(text: str, path: str) -> Iterator[TaskList]:
+def _of_lines(text: str, path: str) -> Iterator[Mission]:
     for number, line in enumerate(text.splitlines(), start=1):
         line = line.strip()
         if not line or line.startswith('#'):
@@ -61,12 +56,12 @@ def _of_lines(text: str, path: str) -> Iterator[TaskList]:
         if not told:
             raise InputError(path, f'"{line}" names no task', number, cure=_EXAMPLE)
         try:
-            yield TaskList(tuple(task_name(task).lower() for task in told), name.strip(), 1)
+            yield Mission(tuple(task_name(task).lower() for task in told), name.strip(), 1)
         except InputError as error:
             raise InputError(path, error.reason, number, cure=_EXAMPLE) from error
 
 
-def _of_goals_seen(path: str) -> list[TaskList]:
+def _of_goals_seen(path: str) -> list[Mission]:
     counts = read_goals_seen(path).counts
     lists = {goal: tuple(task.lower() for task in named_tasks(goal)) for goal in counts}
-    return [TaskList(lists[goal], '', counts[goal]) for goal in counts if lists[goal]]
+    return [Mission(lists[goal], '', counts[goal]) for goal in counts if lists[goal]]
