@@ -13,9 +13,10 @@ from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 from mirror_explainer.commands.terminal import command_parser
-from mirror_explainer.demo.run import run
 from mirror_explainer.errors import InputError, told
 from mirror_explainer.node.robot_topics import LATCHED
+from mirror_explainer.node.run import run
+from mirror_explainer.node.start import parsed
 from mirror_explainer.node.task_list import TaskList
 
 
@@ -69,6 +70,7 @@ def main(args: Sequence[str] | None = None) -> None:
         f'{command} --ros-args -p user_model_file:=/path/user_model.yaml',
         ends='Parameters follow --ros-args.',
     )
+    parsed(parser, args)
     run(TaskListRobot, parser, args)
 
 

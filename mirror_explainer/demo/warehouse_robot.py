@@ -17,8 +17,9 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from mirror_explainer.commands.terminal import command_parser
-from mirror_explainer.demo.run import run
 from mirror_explainer.node.robot_topics import LATCHED
+from mirror_explainer.node.run import run
+from mirror_explainer.node.start import parsed
 from mirror_explainer.pddl import read_task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import Step, read_plan
@@ -159,6 +160,7 @@ def main(args: Sequence[str] | None = None) -> None:
         ends='Parameters follow --ros-args: step_period, plan_once, tell_progress, and '
         'domain_file, problem_file and plan_file for another robot than the example.',
     )
+    parsed(parser, args)
     run(WarehouseRobot, parser, args)
 
 

@@ -3,7 +3,6 @@
 import functools
 import gc
 import logging
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -11,17 +10,14 @@ from typing import Any
 
 import mirror_explainer.selection.one_thread  # noqa: F401  # isort: skip
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import ListParameters
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.exceptions import ParameterException
-from rclpy.executors import Executor, ExternalShutdownException, MultiThreadedExecutor
-from rclpy.logging import LoggingSeverity, get_logging_directory
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -43,7 +39,8 @@ from mirror_explainer.node.parameters import (
 )
 from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.ros_log import RosLog
-from mirror_explainer.node.start import argument_parser, parsed, refuse, write_fault
+from mirror_explainer.node.run import run
+from mirror_explainer.node.start import argument_parser, parsed
 from mirror_explainer.node.surroundings import Others
 
 VOLATILE = QoSProfile(depth=1)
@@ -279,55 +276,20 @@ def _full_name(namespace: str, name: str) -> str:
     return '' if name == _UNKNOWN else f'{namespace.rstrip("/")}/{name}'
 
 
-def _spin_once(executor: Executor) -> None:
-    """Do what is due, or wait half a second for it; log what goes wrong in a callback.
-
-    Not `spin`: a signal that comes just before it waits would not wake it. And callbacks
-    of rclpy's own raise for messages such as a parameter of a type that there is not.
-    """
-    try:
-        executor.spin_once(timeout_sec=0.5)
-    except (ExternalShutdownException, RCLError):
-        raise
-    except Exception:
-        _log.exception('a callback of ROS failed')
-
-
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
     parser = argument_parser()
     options = parsed(parser, args)
-    log_fault = write_fault(get_logging_directory())
-    if log_fault:  # a full disk must not keep the node from starting
-        args = [*(sys.argv if args is None else args), '--ros-args', '--disable-external-lib-logs']
-    rclpy.init(args=args)
-    node = None
-    executor = MultiThreadedExecutor(THREADS)
-    try:
+
+    def make_node() -> ExplainerNode:
         node = ExplainerNode()
-        if log_fault:
-            _log.warning('there is no log file: %s', log_fault)
         if options.log_level:
             node.get_logger().set_level(LoggingSeverity[options.log_level.upper()])
-        executor.add_node(node)
         # Else each full collection looks through all that was imported, while the robot waits.
         gc.freeze()
-        while rclpy.ok():
-            _spin_once(executor)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except ParameterException as error:
-        refuse(parser, error)
-    except RCLError:
-        if rclpy.ok():  # otherwise a signal came just before the executor waited
-            raise
-    finally:
-        if node is not None:
-            node.close()
-        executor.shutdown(timeout_sec=1.0)
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
+        return node
+
+    run(make_node, parser, args, lambda: MultiThreadedExecutor(THREADS), _log)
 
 
 if __name__ == '__main__':

@@ -10,16 +10,12 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from rclpy.clock import Clock, ClockType
-from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from std_msgs.msg import Empty
 
-from mirror_explainer.errors import InputError, told
 from mirror_explainer.node.plansys2_execution import (
     AHEAD,
     DONE,
@@ -32,7 +28,8 @@ from mirror_explainer.node.plansys2_execution import (
 )
 from mirror_explainer.node.plansys2_messages import Messages, plansys2_messages
 from mirror_explainer.node.robot_topics import LATCHED, RobotTopics
-from mirror_explainer.node.start import parsed, refuse
+from mirror_explainer.node.run import run
+from mirror_explainer.node.start import parsed
 from mirror_explainer.node.surroundings import package_version
 
 MANY = QoSProfile(depth=1000)  # one message an action and second, all at once
@@ -287,28 +284,7 @@ def main(args: Sequence[str] | None = None) -> None:
     )
     parser.add_argument('--version', action='version', version=f'%(prog)s {package_version()}')
     parsed(parser, args)
-    try:
-        messages = plansys2_messages()
-    except InputError as error:
-        parser.error(told(error))
-    rclpy.init(args=args)
-    node = None
-    try:
-        node = Plansys2Bridge(messages)
-        while rclpy.ok():
-            try:
-                # Not `spin`: a signal that comes just before it waits would not wake it.
-                rclpy.spin_once(node, timeout_sec=0.2)
-            except UnicodeDecodeError as error:  # a text that is none must not end the bridge
-                node.get_logger().error(f'a message of PlanSys2 is no text: {error}')
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except ParameterException as error:
-        refuse(parser, error)
-    finally:
-        if node is not None:
-            node.destroy_node()
-        rclpy.try_shutdown()
+    run(lambda: Plansys2Bridge(plansys2_messages()), parser, args)
 
 
 if __name__ == '__main__':

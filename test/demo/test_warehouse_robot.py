@@ -7,6 +7,9 @@ from patience import PATIENCE, eventually
 
 pytest.importorskip('rclpy', reason='needs ROS 2')
 
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import SetParameters
 from ros_peer import Call, Peer, running
 from std_srvs.srv import Trigger
 
@@ -109,6 +112,17 @@ def test_a_parameter_of_another_type_ends_a_node_with_one_sentence(
     assert process.log.splitlines()[-1].startswith(f'{executable}: error: ')
     assert f"'{name}'" in process.log and fault in process.log
     assert 'Traceback' not in process.log
+
+
+def test_what_rclpy_itself_cannot_take_does_not_end_a_robot(peer: Peer, tmp_path: Path) -> None:
+    with running('warehouse_robot', peer.node.get_namespace(), tmp_path) as process:
+        setting = peer.client(SetParameters, 'warehouse_robot/set_parameters', 'warehouse_robot')
+        restart = peer.client(Trigger, 'warehouse_robot/restart', of='warehouse_robot')
+        no_type = ParameterMessage(name='step_period', value=ParameterValue(type=77))
+        setting.call_async(SetParameters.Request(parameters=[no_type]))
+        eventually(lambda: '77 is not a valid' in process.log, 'the reason in the log')
+
+        assert Call(restart.call_async(Trigger.Request())).result().success
 
 
 def test_a_plan_that_cannot_be_carried_out_ends_the_robot_with_one_sentence(

@@ -15,10 +15,9 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterDescriptor
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.client import Client
 from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
@@ -31,6 +30,7 @@ from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.terminal import command_parser, tell_error
 from mirror_explainer.errors import InputError
 from mirror_explainer.node.robot_topics import LATCHED
+from mirror_explainer.node.run import spin
 from mirror_explainer.node.start import parsed, refuse
 from mirror_explainer.web.address import add_address_arguments, address
 from mirror_explainer.web.operator.heard import (
@@ -237,7 +237,7 @@ def main(args: Sequence[str] | None = None) -> int:
         rclpy.try_shutdown()
         refuse(parser, error)
     executor.add_node(node)
-    thread = threading.Thread(target=_spin, args=[executor, node], name='ros')
+    thread = threading.Thread(target=spin, args=[executor, node.get_logger()], name='ros')
     thread.start()
     try:
         where = address(options)
@@ -247,29 +247,11 @@ def main(args: Sequence[str] | None = None) -> int:
         tell_error('operator_page', error)
         return 1
     finally:
-        executor.shutdown()
-        thread.join()
-        node.destroy_node()
         rclpy.try_shutdown()
+        thread.join()
+        executor.shutdown()
+        node.destroy_node()
     return 0
-
-
-def _spin(executor: SingleThreadedExecutor, node: Node) -> None:
-    """Do what is due until the executor is shut down.
-
-    Callbacks of rclpy's own raise for messages such as a negative /clock: that is logged.
-    """
-    while True:
-        try:
-            executor.spin()
-        except ExternalShutdownException:
-            return
-        except RCLError:
-            raise
-        except Exception as error:
-            node.get_logger().error(f'a callback of ROS failed: {error!r}')
-        else:
-            return
 
 
 if __name__ == '__main__':
