@@ -81,13 +81,14 @@ class Explanation:
         return '\n'.join(filter(None, lines))
 
     def _steps_spoken(self, sentences: Sentences) -> str:
-        told = self._steps(self._told)
+        unsaid = [p for p in self.unsaid_ends if p not in self._told]
         if all(status.is_over for status in self.preparation.statuses):
             situation = self.preparation.situation
             is_detour = situation is not None and situation.is_detour
+            steps = self._steps(self._told), self._steps(unsaid)
             excuses = self._reasons(self.preparation.excused)
-            return reached(sentences, told, excuses, is_detour)
-        lines = self._lines(self._told, (p for p in self.unsaid_ends if p not in self._told))
+            return reached(sentences, *steps, excuses, is_detour)
+        lines = self._lines(self._told, unsaid)
         if self._chosen or self.preparation.failed:
             return lines
         heard = {self.model.sentences[position] for position in self.known}
@@ -105,7 +106,7 @@ class Explanation:
         """The positions that are spoken of.
 
         They are what was chosen, what one sees the robot at, and an end for which a list would
-        end with "others", if it is the only one, and there are fewer than `n` without it.
+        end with "one more", if it is the only one, and there are fewer than `n` without it.
         """
         told = {*self._chosen, *self._seen}
         if len(self._chosen) < self.question.n:

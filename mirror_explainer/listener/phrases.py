@@ -107,6 +107,12 @@ class Phrases:
         'Ends a list that is not whole, of ends that are alike: "the cup, the plate and others".',
         may_be_empty=True,
     )
+    other: str = _phrase(
+        'one more',
+        'In its place where one is left: "the cup, the plate and one more". Without it the '
+        '`others` that you set.',
+        may_be_empty=True,
+    )
 
     @staticmethod
     def names() -> tuple[str, ...]:
@@ -117,6 +123,8 @@ class Phrases:
     def of(texts: Mapping[str, str]) -> 'Phrases':
         """Return the phrases with those that a user model sets."""
         names = {each.name.rstrip('_'): each.name for each in fields(Phrases)}
+        if 'others' in texts:
+            texts = {'other': texts['others'], **texts}
         return Phrases(**{names[name]: ' '.join(text.split()) for name, text in texts.items()})
 
 

@@ -32,21 +32,17 @@ def spoken(
     the bridge, the tower and the lock." So do tasks that have the verb: those that differ in one
     thing, "I will wash the cup and the pan.", and others, "I will boil water and wait." A list
     is heard as the whole of it: so one that steps left `unsaid` would be in, too, ends with "and
-    others"; but that of different tasks promises no more than two sentences would. A robot
+    one more" or "and others"; but that of different tasks promises no more than two sentences
+    would. A robot
     that `is_stuck` promises nothing: "I meant to photograph the lock." for "I will …", and no
     other sentence.
     After what was left out stands why, if `reasons` have that, by ground action.
     """
     told: list[tuple[Said, StepStatus, str]] = []
     for action, status in steps:
-        said = sentences.worded(action, status)
-        if is_stuck and status is StepStatus.AHEAD:
-            meant = intention(said.text)
-            if meant is None:
-                continue
-            said = replace(said, text=meant)
-        told.append((said, status, reasons.get(action, '')))
-    left = [sentences.worded(*step) for step in unsaid]
+        if said := _worded(sentences, (action, status), is_stuck):
+            told.append((said, status, reasons.get(action, '')))
+    left = [said for step in unsaid if (said := _worded(sentences, step, is_stuck))]
     groups: list[list[Said]] = []
     whys: list[str] = []  # of each group
     last: StepStatus | None = None
@@ -69,9 +65,19 @@ def spoken(
     return '\n'.join(lines)
 
 
+def _worded(sentences: Sentences, step: Step, is_stuck: bool) -> Said | None:
+    """Return how a step is said; None for what a robot that is stuck cannot say that it meant."""
+    said = sentences.worded(*step)
+    if not is_stuck or step[1] is not StepStatus.AHEAD:
+        return said
+    meant = intention(said.text)
+    return None if meant is None else replace(said, text=meant)
+
+
 def reached(
     sentences: Sentences,
     steps: Sequence[Step],
+    unsaid: Sequence[Step] = (),
     reasons: Mapping[str, str] = _NO_REASONS,
     is_detour: bool = False,
 ) -> str:
@@ -81,7 +87,7 @@ def reached(
     """
     phrases = sentences.phrases
     end = phrases.detour_done if is_detour else phrases.reached
-    return '\n'.join(filter(None, (spoken(sentences, steps, reasons=reasons), end)))
+    return '\n'.join(filter(None, (spoken(sentences, steps, unsaid, reasons=reasons), end)))
 
 
 def stuck(sentences: Sentences, failed: Mapping[str, str]) -> str:
@@ -141,9 +147,11 @@ def _together(group: Sequence[Said], unsaid: Sequence[Said], phrases: Phrases) -
     article = f'{before[-1]} ' if before and before[-1] in ARTICLES else ''
     first, *following = [said.called[parameter] for said in group]
     listed = [first, *(article + called for called in following)]
-    others_left = any(_differing([*group, said]) == parameter for said in unsaid)
-    if others_left and phrases.others and parameter != group[0].verb:
-        listed.append(phrases.others)
+    alike = (said for said in unsaid if _differing([*group, said]) == parameter)
+    left = len({said.called[parameter] for said in alike})
+    others = phrases.others if left > 1 else phrases.other if left else ''
+    if others and parameter != group[0].verb:
+        listed.append(others)
     *most, last = listed
     together = f'{", ".join(most)} {phrases.and_} {last}'
     return Said(group[0].text, {**group[0].called, parameter: together}).sentence

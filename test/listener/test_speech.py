@@ -86,14 +86,23 @@ def test_neighbours_that_differ_in_one_object_are_one_sentence(
 @pytest.mark.parametrize(
     ('said', 'unsaid', 'text'),
     [
-        ('(shoot lock)', '(shoot bridge)', 'I will photograph the mill, the lock and others.'),
-        ('(shoot lock)', '(bring cup hall)', 'I will photograph the mill and the lock.'),
+        (
+            '(shoot lock)',
+            ['(shoot bridge)', '(shoot tower)'],
+            'I will photograph the mill, the lock and others.',
+        ),
+        (
+            '(shoot lock)',
+            ['(shoot bridge)', '(shoot bridge)'],
+            'I will photograph the mill, the lock and one more.',
+        ),
+        ('(shoot lock)', ['(bring cup hall)'], 'I will photograph the mill and the lock.'),
         # What is alike may be left out where no list is said.
-        ('(wait)', '(shoot bridge)', 'I will photograph the mill.\nI will wait.'),
+        ('(wait)', ['(shoot bridge)'], 'I will photograph the mill.\nI will wait.'),
     ],
 )
-def test_a_list_that_is_not_whole_says_so(said: str, unsaid: str, text: str) -> None:
-    assert spoken(sentences(), ahead('(shoot mill)', said), ahead(unsaid)) == text
+def test_a_list_that_is_not_whole_says_so(said: str, unsaid: list[str], text: str) -> None:
+    assert spoken(sentences(), ahead('(shoot mill)', said), ahead(*unsaid)) == text
 
 
 def test_a_list_of_what_is_done_is_whole_whatever_is_ahead() -> None:
@@ -108,14 +117,21 @@ def test_a_robot_that_is_stuck_promises_nothing() -> None:
     assert spoken(sentences(), steps, is_stuck=True) == (
         'I have photographed the mill.\nI meant to photograph the lock and the bridge.'
     )
+    left = ahead('(shoot tower)', '(next b)')
+    assert spoken(sentences(), steps, left, is_stuck=True) == (
+        'I have photographed the mill.\nI meant to photograph the lock, the bridge and one more.'
+    )
 
 
 def test_the_word_for_the_rest_of_a_list_can_be_set() -> None:
-    steps, left = ahead('(shoot mill)', '(shoot lock)'), ahead('(shoot bridge)')
+    steps, left = ahead('(shoot mill)', '(shoot lock)'), ahead('(shoot a)', '(shoot b)')
     assert spoken(sentences(others='andere', and_='und'), steps, left) == (
         'I will photograph the mill, the lock und andere.'
     )
     assert spoken(sentences(others=''), steps, left) == 'I will photograph the mill and the lock.'
+    assert spoken(sentences(other='another'), steps, left[:1]) == (
+        'I will photograph the mill, the lock and another.'
+    )
 
 
 def test_the_word_between_objects_can_be_set() -> None:
@@ -130,6 +146,13 @@ def test_a_robot_at_its_goal_says_what_it_achieved() -> None:
         'I have brought the cup to the hall.\nI did not photograph the mill.\nI am done.'
     )
     assert reached(sentences(reached='That is all.'), []) == 'That is all.'
+
+
+def test_a_robot_at_its_goal_says_where_a_list_of_what_it_did_is_not_whole() -> None:
+    mill, lock, *left = [(f'(shoot {x})', DONE) for x in ('mill', 'lock', 'tower', 'bridge')]
+    assert reached(sentences(), [mill, lock], left) == (
+        'I have photographed the mill, the lock and others.\nI am done.'
+    )
 
 
 def test_a_robot_that_is_stuck_says_with_what() -> None:
@@ -186,4 +209,4 @@ def test_a_list_of_tasks_that_differ_in_one_thing_says_where_it_is_not_whole() -
     washing = ahead('(do wash_the_cup)', '(do wash_the_pan)')
     left = ahead('(do boil_water)', '(do wash_the_pot)')
     assert spoken(TASKS, washing, left[:1]) == 'I will wash the cup and the pan.'
-    assert spoken(TASKS, washing, left) == 'I will wash the cup, the pan and others.'
+    assert spoken(TASKS, washing, left) == 'I will wash the cup, the pan and one more.'

@@ -211,7 +211,7 @@ def test_a_list_that_lacks_a_single_end_is_whole_where_there_is_room(known) -> N
         == three.sentences
         == ('I will deliver the box.', 'I will deliver the crate.')
     )
-    assert two.spoken == 'I will deliver the box, the crate and others.'
+    assert two.spoken == 'I will deliver the box, the crate and one more.'
     assert three.spoken == 'I will deliver the letter, the box and the crate.'
 
 
