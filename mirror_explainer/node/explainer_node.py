@@ -4,7 +4,6 @@ import functools
 import gc
 import logging
 import time
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -20,7 +19,7 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -31,6 +30,7 @@ from mirror_explainer.node.diagnostic_message import diagnostic_array
 from mirror_explainer.node.diagnostics import crowded, rivalry
 from mirror_explainer.node.inputs import TOPICS, Configuration, Text
 from mirror_explainer.node.live_explainer import MOST_WAITING_CALLS, LiveExplainer
+from mirror_explainer.node.neighbours import others_of
 from mirror_explainer.node.parameters import (
     CHOICES,
     PARAMETERS,
@@ -44,8 +44,7 @@ from mirror_explainer.node.start import argument_parser, parsed
 from mirror_explainer.node.surroundings import Others
 
 VOLATILE = QoSProfile(depth=1)
-# What ROS calls a node whose publisher it knows already, and not yet its name.
-_UNKNOWN = '_NODE_NAME_UNKNOWN_'
+SERVICE = 'verbalize_plan'
 # With the usual depth of 10, calls of more clients at once than that would get lost.
 MANY_CALLS = QoSProfile(depth=1000)
 # A call that waits holds one of the executor's threads; some are left for all else.
@@ -105,9 +104,7 @@ class ExplainerNode(Node):
         # There is no public way to those that were given, but not declared.
         for sentence in unknown_parameters(self._parameter_overrides, declared):
             _log.warning('%s', sentence)
-        self._service = self.resolve_service_name('verbalize_plan')
-        self._rivals = 0
-        self._crowd: tuple[str, str] | None = None
+        self._others = Others()  # as they were at the last look
 
         self._verbalization = self.create_publisher(String, '~/verbalization', LATCHED)
         self._explanation = self.create_publisher(String, '~/explanation', LATCHED)
@@ -124,11 +121,7 @@ class ExplainerNode(Node):
             (name, self._subscribe(name, qos)) for name in TOPICS for qos in (VOLATILE, LATCHED)
         ]
         self.create_service(
-            Trigger,
-            'verbalize_plan',
-            self._verbalize,
-            qos_profile=MANY_CALLS,
-            callback_group=at_once,
+            Trigger, SERVICE, self._verbalize, qos_profile=MANY_CALLS, callback_group=at_once
         )
         self.create_service(Trigger, '~/forget', self._forget, callback_group=at_once)
         # Not the node's clock, which stands still when the system's is set back.
@@ -211,16 +204,13 @@ class ExplainerNode(Node):
     @_guarded
     def _each_second(self) -> None:
         """Tell how things are, and what others mix up here; notice edited files."""
-        rivals = max(0, self.count_services(self._service) - 1)
-        if rivals and not self._rivals:
+        before, self._others = self._others, others_of(self, SERVICE)
+        rivals, crowd = self._others.rivals, crowded(self._others.publishers)
+        if rivals and not before.rivals:
             _log.warning('%s', with_cure(*rivalry(rivals)))
-        self._rivals = rivals
-        others = self._others()
-        crowd = crowded(others.publishers)
-        if crowd and crowd != self._crowd:
+        if crowd and crowd != crowded(before.publishers):
             _log.warning('%s', with_cure(*crowd))
-        self._crowd = crowd
-        self._publish_diagnostics(others)
+        self._publish_diagnostics(self._others)
         self._ros_log.tell_counts()
         self._explainer.look_at_files()
 
@@ -229,51 +219,12 @@ class ExplainerNode(Node):
         self._verbalization.publish(String(data=text))
         self._explanation.publish(String(data=report))
 
-    def _others(self) -> Others:
-        """Return what there is of other nodes.
-
-        One node may publish a topic twice, such as latched and not.
-        """
-        there = Counter(
-            _full_name(place, name) for name, place in self.get_node_names_and_namespaces()
-        )
-        publishers, unreliable = {}, {}
-        for topic in TOPICS:
-            infos = self.get_publishers_info_by_topic(self.resolve_topic_name(topic))
-            publish = Counter(_full_name(info.node_namespace, info.node_name) for info in infos)
-            nodes = {name: min(count, max(1, there[name])) for name, count in publish.items()}
-            publishers[topic] = tuple(Counter(nodes).elements())
-            heard = {
-                _full_name(info.node_namespace, info.node_name)
-                for info in infos
-                if info.qos_profile.reliability is not ReliabilityPolicy.BEST_EFFORT
-            }
-            unreliable[topic] = tuple(sorted(publish.keys() - heard))
-        is_alone = not publishers['problem'] and not publishers['plan']
-        elsewhere = self._plans_elsewhere() if is_alone else ()
-        return Others(publishers, unreliable, elsewhere, self._rivals)
-
-    def _plans_elsewhere(self) -> tuple[str, ...]:
-        """Return the namespaces in which somebody publishes a problem and a plan."""
-        names = {
-            name
-            for name, types in self.get_topic_names_and_types()
-            if 'std_msgs/msg/String' in types and self.count_publishers(name)
-        }
-        plans = (name.removesuffix('plan') for name in names if name.endswith('/plan'))
-        return tuple(sorted(place for place in plans if f'{place}problem' in names))
-
     @_guarded
     def _publish_diagnostics(self, others: Others | None = None) -> None:
-        found = self._explainer.diagnose(others or self._others())
+        found = self._explainer.diagnose(others or others_of(self, SERVICE))
         name = f'{self.get_fully_qualified_name().lstrip("/")}: explanation'
         stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(diagnostic_array(found, name, stamp))
-
-
-def _full_name(namespace: str, name: str) -> str:
-    """Return a node's name with its namespace, '' where ROS does not know it yet."""
-    return '' if name == _UNKNOWN else f'{namespace.rstrip("/")}/{name}'
 
 
 def main(args: Sequence[str] | None = None) -> None:
