@@ -24,7 +24,7 @@ from mirror_explainer.listener.user_model import UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.pddl.progress_text import read_progress
-from mirror_explainer.pddl.situation import Heard, Situation, situation_of
+from mirror_explainer.pddl.situation import Situation, Statement, situation_of
 from mirror_explainer.planning import Plan, Planner
 from mirror_explainer.selection.baselines import ORDERS
 from mirror_explainer.selection.choice import Selection, baseline, curve
@@ -144,7 +144,7 @@ def _given_plan(files: Files, task: Task, domain: str, problem: str) -> Situatio
     steps = without_dummy(task, read_plan(read_text(path), path))
     progress = read_progress(read_text(told_by), told_by) if told_by else None
     try:
-        situation = situation_of(Heard(domain, problem, task, steps, path, progress=progress))
+        situation = situation_of(Statement(domain, problem, task, steps, path, progress=progress))
     except InputError as error:
         if steps:
             raise

@@ -20,9 +20,16 @@ from mirror_explainer.listener.listeners import Listener
 from mirror_explainer.listener.user_model import CandidateGoal
 from mirror_explainer.listener.way import Way
 from mirror_explainer.planning import Belief, Plan
-from mirror_explainer.selection.evidence import ALL, BELIEF, FORESEEN, GOAL, Doubt, Evidence
+from mirror_explainer.selection.evidence import (
+    ALL,
+    BELIEF,
+    FORESEEN,
+    GOAL,
+    Doubt,
+    Evidence,
+    Floats,
+)
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
@@ -135,7 +142,7 @@ class MirrorModel:
         robot = self.robot_belief
         own = [
             (
-                h.goal == robot.goal and (h.aim is None or h.aim.lacking is None),
+                h.goal == robot.goal and not h.of_part,
                 h.belief is not None,
                 h.belief == robot,
             )
@@ -149,11 +156,7 @@ class MirrorModel:
         """The goal of each hypothesis, shape (K,): one more than there are for a part of one."""
         partial = len(self.goals)
         return np.array(
-            [
-                h.goal if h.aim is None or h.aim.lacking is None else partial
-                for h in self.hypotheses
-            ],
-            dtype=np.int64,
+            [partial if h.of_part else h.goal for h in self.hypotheses], dtype=np.int64
         )
 
     @cached_property

@@ -4,14 +4,12 @@ import functools
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mirror_explainer.listener.ends import Aim
 from mirror_explainer.listener.listeners import Listener
 from mirror_explainer.listener.way import Way
 from mirror_explainer.planning import Plan
-
-Floats = NDArray[np.float64]
+from mirror_explainer.selection.evidence import Floats
 
 
 class Ratios:

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mirror_explainer.listener.listeners import Listener
-from mirror_explainer.listener.mirror_model import Floats, Hypothesis, MirrorModel
+from mirror_explainer.listener.mirror_model import Hypothesis, MirrorModel
 from mirror_explainer.listener.prior import Prior
 from mirror_explainer.listener.ratios import Ratios
 from mirror_explainer.listener.way import Way
 from mirror_explainer.planning import Belief, BeliefPlans, Plan, Status
+from mirror_explainer.selection.evidence import Floats
 
 _ROUNDING = 1e-9  # of a share: sums of floats leave something where there is nothing
 _NOT_YET = BeliefPlans(Status.UNKNOWN, reason='not planned for yet')

@@ -11,8 +11,8 @@ from mirror_explainer.pddl.plan_text import read_plan, without_dummy
 from mirror_explainer.pddl.progress import Progress
 from mirror_explainer.pddl.progress_text import ProgressText, read_progress
 from mirror_explainer.pddl.situation import (
-    Heard,
     Situation,
+    Statement,
     begun_again,
     gone_back,
     next_situation,
@@ -59,30 +59,30 @@ class RobotStatus:
         problem, plan, before = inputs.problem, inputs.plan, self._situation
         assert problem and plan  # nothing is missing
         steps = without_dummy(task, read_plan(plan.text, plan.source, inputs.limits))
-        heard = Heard(domain, problem.text, task, steps, plan.source, inputs.limits)
+        stated = Statement(domain, problem.text, task, steps, plan.source, inputs.limits)
         progress = inputs.progress if inputs.progress is not self._stale else None
         text = read_progress(progress.text, progress.source) if progress else None
-        if text and not (inputs.is_progress_old or self._is_of_plan_before(inputs, text, heard)):
-            heard = replace(heard, progress=text)
+        if text and not (inputs.is_progress_old or self._is_of_plan_before(inputs, text, stated)):
+            stated = replace(stated, progress=text)
         is_told = bool(text or (before and before.told))
-        situation = self._by_state(heard, uncertain, is_told, common)
+        situation = self._by_state(stated, uncertain, is_told, common)
         is_new = before is None or situation.number != before.number
         is_anew = inputs.begins_anew and self._is_first_time(problem, plan)
         undone = None
         if text and before and is_anew and not is_new:
-            situation = taken_up_again(situation, heard, uncertain)
+            situation = taken_up_again(situation, stated, uncertain)
             is_new = situation.number != before.number
             undone = before.told if is_new else None
         if is_new and self._has_stopped:  # it did not go from one task to the other
             situation = replace(situation, is_detour=False)
-        if text and heard.progress is None and (is_new or is_anew):
+        if text and stated.progress is None and (is_new or is_anew):
             self._stale, text = progress, None  # it is about the plan before
         elif text and progress == self._stale and not text.is_about(situation.episode.actions):
             text = None  # and is told once more
         if text:
             told = text.of(situation.episode.actions)
             if problem.text != self._told_in or self._is_plan_again(plan, situation, told):
-                situation = gone_back(situation, told, heard)
+                situation = gone_back(situation, told, stated)
             if situation.begins_again(told):
                 situation = begun_again(situation)
             situation = situation.telling(told, text.source)
@@ -98,31 +98,31 @@ class RobotStatus:
         return situation
 
     def _by_state(
-        self, heard: Heard, uncertain: Collection[str], is_told: bool, common: Collection[str]
+        self, stated: Statement, uncertain: Collection[str], is_told: bool, common: Collection[str]
     ) -> Situation:
         """Return the situation by the robot's task and plan; raises as `update`."""
         try:
             if self._situation is None:
-                return situation_of(heard)
-            return next_situation(self._situation, heard, uncertain, is_told, common)
+                return situation_of(stated)
+            return next_situation(self._situation, stated, uncertain, is_told, common)
         except InputError as error:
-            if heard.steps:
+            if stated.steps:
                 raise
             self._has_stopped = True
             raise NoPlanError(
-                heard.source,
+                stated.source,
                 'the robot has no current plan',
                 cure='Nothing is to be done if it has no task now: its next plan is explained.',
             ) from error
 
-    def _is_of_plan_before(self, inputs: Inputs, text: ProgressText, heard: Heard) -> bool:
+    def _is_of_plan_before(self, inputs: Inputs, text: ProgressText, stated: Statement) -> bool:
         """Say whether progress that came before a plan, or was told before, fits only another."""
         before = self._situation
         return (
             before is not None
             and (inputs.is_plan_newer or inputs.progress == self._told)
             and text.is_about(before.episode.actions)
-            and not text.is_about(heard.actions)
+            and not text.is_about(stated.actions)
         )
 
     def _is_first_time(self, problem: Text, plan: Text) -> bool:

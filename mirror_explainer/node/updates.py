@@ -84,7 +84,7 @@ class _Reading:
 
 
 @dataclass(frozen=True)
-class _Doubt:
+class _Suspect:
     """The plan that was found to be wrong last, if one was, and since when."""
 
     plan: Text | None = None
@@ -114,7 +114,7 @@ class Updates:
         self._newest = _Submission()
         self._edited = 0  # the number of the submission that the last edit of a file was
         self._reading = _Reading()  # the last that was begun
-        self._doubt = _Doubt()
+        self._suspect = _Suspect()
         self._known = _NOTHING_YET  # of the newest inputs that are read
         self._done = _NOTHING_YET  # of the newest inputs that nothing is left to do for
         self._untold: deque[Readiness] = deque()  # what updates came to, in order
@@ -334,14 +334,14 @@ class Updates:
         """Say whether the plan is not to blame, or for long enough; wait while nothing comes."""
         plan = read.inputs.plan if read.blames_plan else None
         with self._changed:
-            if self._doubt.plan != plan:
-                self._doubt = _Doubt(plan, time.monotonic())
+            if self._suspect.plan != plan:
+                self._suspect = _Suspect(plan, time.monotonic())
             if plan is None:
                 return True
             texts = (text for text in (plan, read.inputs.problem) if text is not None)
             believed_at = min(
                 max(text.heard.steady for text in texts) + DOUBTFUL_SECONDS,
-                self._doubt.since + LONGEST_DOUBTFUL_SECONDS,
+                self._suspect.since + LONGEST_DOUBTFUL_SECONDS,
             )
             self._changed.wait_for(
                 lambda: self._closed or self._is_pending, believed_at - time.monotonic()

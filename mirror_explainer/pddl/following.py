@@ -34,7 +34,7 @@ def follow(
         return None
     found = []
     for count, place in enumerate(episode.places):
-        if place.done < known.done:
+        if place.happened < known.happened:
             continue
         agrees = episode.agrees(state, count, uncertain)
         if agrees is None:  # but for numbers
@@ -114,7 +114,7 @@ def _out_of_step(
         cut = waiting.pop(0)
         progress = _cut(happenings, cut)
         there = cuts[cut]
-        if progress.done >= best.done and wanted == [
+        if progress.happened >= best.happened and wanted == [
             evaluator.value_of(atom, there) for atom in matter
         ]:
             rest = [h for k, h in enumerate(happenings) if k not in cut]

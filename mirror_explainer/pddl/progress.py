@@ -60,7 +60,7 @@ class Progress:
         return all(status.is_over for status in self.steps)
 
     @cached_property
-    def done(self) -> int:
+    def happened(self) -> int:
         """How many starts and ends there have been."""
         return sum(
             2 if own is StepStatus.DONE else own is StepStatus.RUNNING for own in self.steps

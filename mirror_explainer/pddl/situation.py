@@ -22,8 +22,8 @@ REPLANNED, RESTARTED, RESUMED = 'replanned', 'restarted', 'resumed'
 
 
 @dataclass(frozen=True)
-class Heard:
-    """What was heard of a robot last: the texts of its task, that task as read, and its plan.
+class Statement:
+    """What a robot states: the texts of its task, that task as read, and its plan.
 
     The plan is from `source`, and within `limits`; `progress` is what the robot tells of it,
     None if that is nothing.
@@ -110,26 +110,26 @@ class Situation:
         return replace(self, told=told)
 
 
-def situation_of(heard: Heard) -> Situation:
+def situation_of(stated: Statement) -> Situation:
     """Return the situation in which a robot is first heard of.
 
     What it tells to be done of its plan belongs to the episode, also where its state has it
     already. Raises InputError for a plan that has nothing to do with the problem's state, and for
     progress that is not about the plan.
     """
-    told = heard.progress.of(heard.actions) if heard.progress and heard.steps else None
+    told = stated.progress.of(stated.actions) if stated.progress and stated.steps else None
     done = told.positions(StepStatus.DONE) if told else ()
-    episode, progress = begin(heard.task, heard.steps, heard.source, heard.limits, done)
-    problem = heard.problem
-    if episode.first != heard.state:
+    episode, progress = begin(stated.task, stated.steps, stated.source, stated.limits, done)
+    problem = stated.problem
+    if episode.first != stated.state:
         problem = with_state(problem, episode.first)
     began = datetime.now().astimezone()
-    return Situation(episode, progress, heard.domain, problem, began=began)
+    return Situation(episode, progress, stated.domain, problem, began=began)
 
 
 def next_situation(
     before: Situation,
-    heard: Heard,
+    stated: Statement,
     uncertain: Collection[str] = (),
     is_told: bool = False,
     common: Collection[str] = (),
@@ -142,20 +142,22 @@ def next_situation(
     its state. Raises InputError.
     """
     same_goal = like_before = False
-    if heard.domain == before.domain:
-        same_goal = goal_of(heard.task) == before.episode.goal
-        if same_goal and is_told and heard.actions == before.episode.actions:
+    if stated.domain == before.domain:
+        same_goal = goal_of(stated.task) == before.episode.goal
+        if same_goal and is_told and stated.actions == before.episode.actions:
             return before
-        seen = follow(before.episode, heard.state, before.seen, heard.steps, uncertain, heard.task)
+        seen = follow(
+            before.episode, stated.state, before.seen, stated.steps, uncertain, stated.task
+        )
         if seen is not None:
             return replace(before, seen=seen)
-        like_before = not same_goal and _is_like(before, heard.task, common)
-    new = situation_of(heard)
+        like_before = not same_goal and _is_like(before, stated.task, common)
+    new = situation_of(stated)
     put_off, is_detour = before.put_off, False
     if same_goal and before.progress.finished:
         reason = AGAIN
     elif same_goal:
-        is_same = new.episode.actions == before.episode.actions and not new.seen.done
+        is_same = new.episode.actions == before.episode.actions and not new.seen.happened
         reason, is_detour = RESTARTED if is_same else REPLANNED, before.is_detour
     elif new.episode.goal == put_off:
         reason, put_off, like_before = RESUMED, None, False
@@ -189,7 +191,7 @@ def begun_again(situation: Situation) -> Situation:
     )
 
 
-def gone_back(situation: Situation, told: Progress, heard: Heard) -> Situation:
+def gone_back(situation: Situation, told: Progress, stated: Statement) -> Situation:
     """Return the situation of a robot that does steps of its plan again, from a newer state.
 
     It is `told`, and the state that was heard agrees; else nothing has changed.
@@ -197,7 +199,7 @@ def gone_back(situation: Situation, told: Progress, heard: Heard) -> Situation:
     if situation.told is None or not told.undone(situation.told):
         return situation
     try:
-        new = situation_of(heard)
+        new = situation_of(stated)
     except InputError:
         return situation
     if new.episode.actions != situation.episode.actions or told.undone(new.seen):
@@ -211,17 +213,17 @@ def gone_back(situation: Situation, told: Progress, heard: Heard) -> Situation:
 
 
 def taken_up_again(
-    situation: Situation, heard: Heard, uncertain: Collection[str] = ()
+    situation: Situation, stated: Statement, uncertain: Collection[str] = ()
 ) -> Situation:
     """Return the situation of a robot that begins with its plan, and has told nothing since.
 
     Where the state is that in which the episode began, and nowhere that it is known to be by
     now, it starts again; else it tries again what failed.
     """
-    episode, state, told = situation.episode, heard.state, situation.told
+    episode, state, told = situation.episode, stated.state, situation.told
     is_begin = episode.agrees(state, 0, uncertain) is not False
-    if is_begin and not follow(episode, state, situation.progress, None, uncertain, heard.task):
-        return gone_back(situation, Progress.none(len(episode.steps)), heard)
+    if is_begin and not follow(episode, state, situation.progress, None, uncertain, stated.task):
+        return gone_back(situation, Progress.none(len(episode.steps)), stated)
     return replace(situation, told=told and told.without_failures)
 
 

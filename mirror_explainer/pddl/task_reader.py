@@ -23,8 +23,6 @@ from mirror_explainer.text_files import plain_text
 # unified-planning keeps every expression, so that now and then all must be read afresh.
 _MOST_IN_A_ROW = 1000
 
-Stop = Callable[[], None] | None
-
 
 class TaskReader:
     """Reads tasks; each that it returns makes those before it useless.
@@ -43,7 +41,7 @@ class TaskReader:
         domain_source: str = 'domain',
         problem_source: str = 'problem',
         limits: InputLimits | None = None,
-        stop: Stop = None,
+        stop: Callable[[], None] | None = None,
     ) -> Task:
         """Read a task as `read_task` does. Raises InputError."""
         given = (domain, domain_source, problem_source, limits)
@@ -77,7 +75,7 @@ class _Read:
     problem: str
     task: Task
 
-    def with_state_of(self, problem: str, stop: Stop) -> Task | None:
+    def with_state_of(self, problem: str, stop: Callable[[], None] | None) -> Task | None:
         """Return the task in the state that another problem has.
 
         None if that differs in more than plain facts, or has something wrong with it.
@@ -131,7 +129,7 @@ class _Read:
         assert isinstance(tree, Branch)
         return [part for part in tree[1:] if as_text(part) not in known]
 
-    def _state_in(self, problem: str, stop: Stop) -> _State | None:
+    def _state_in(self, problem: str, stop: Callable[[], None] | None) -> _State | None:
         """Return the state in a problem that differs from this one in its :init only."""
         limits, text = self.given[3], plain_text(problem)
         if limits:

@@ -75,7 +75,7 @@ class Ask:
 
 
 @dataclass(frozen=True)
-class Stop:
+class EndSearches:
     """To the worker of the fast way: end the searches, and answer Done."""
 
 

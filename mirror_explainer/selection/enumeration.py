@@ -36,7 +36,7 @@ class OutOfTime(Exception):
         self.best = best
 
 
-class _Progress:
+class _Pace:
     """How many of all sets were looked at, and whether the time is enough for the rest."""
 
     def __init__(self, total: int, end: float) -> None:
@@ -76,7 +76,7 @@ def best_of_all(
     least = evidence.doubt_after(known)
     best = [(least, tuple(sorted(known)))]
     sentences = evidence.ratio.shape[1]
-    progress = _Progress(math.comb(sentences, size), end)
+    progress = _Pace(math.comb(sentences, size), end)
     for prefix in itertools.combinations(range(sentences - 2), size - 2):
         start = prefix[-1] + 1 if prefix else 0
         if not progress.goes_on(math.comb(sentences - start, 2)):

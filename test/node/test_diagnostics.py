@@ -26,7 +26,7 @@ from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Others, Surroundings, look_around, package_version
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan
-from mirror_explainer.pddl.situation import Heard, situation_of
+from mirror_explainer.pddl.situation import Statement, situation_of
 from mirror_explainer.planning import Planner
 
 WAITING = Readiness(
@@ -58,7 +58,7 @@ def ready(planner: Planner) -> Readiness:
     preparation = prepared(task, WAREHOUSE, planner, 1024)
     texts = [(WAREHOUSE / name).read_text() for name in ('domain.pddl', 'problem.pddl')]
     steps = read_plan((WAREHOUSE / 'plan.txt').read_text())
-    situation = situation_of(Heard(*texts, task, steps))
+    situation = situation_of(Statement(*texts, task, steps))
     preparation = replace(preparation, situation=situation)
     inputs = Inputs(
         problem=Text('', '/problem'), plan=Text('', '/plan'), user_model_file='user.yaml'

@@ -345,7 +345,7 @@ def test_the_progress_found_is_the_true_one_or_a_later_one_with_the_same_state(s
     episode, known = begin(task, read_plan('\n'.join(plan)))
     for _ in range(8):
         true = random.randrange(len(run.passed))
-        if Progress.after(run.happenings, true).done < known.done:
+        if Progress.after(run.happenings, true).happened < known.happened:
             continue
         loose = [f'(idle {item})' for item in ITEMS] + [
             f'({name} {item})' for name in 'pq' for item in ITEMS
@@ -362,7 +362,7 @@ def test_the_progress_found_is_the_true_one_or_a_later_one_with_the_same_state(s
         found = follow(episode, state, known, left)
 
         assert found is not None
-        assert found.done >= Progress.after(run.happenings, true).done
+        assert found.happened >= Progress.after(run.happenings, true).happened
         count = next(
             k
             for k in range(len(run.passed))

@@ -194,7 +194,7 @@ def test_an_enumeration_that_is_stopped_gives_the_best_so_far(evidence, looked_a
     size, known = min(3, len(evidence.places)), range(min(3, len(evidence.places)))
     ticks = itertools.count()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(enumeration._Progress, 'goes_on', lambda *_: next(ticks) < looked_at)
+        patch.setattr(enumeration._Pace, 'goes_on', lambda *_: next(ticks) < looked_at)
         try:
             found = best_of_all(evidence, size, known, math.inf)
         except OutOfTime as stopped:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from mirror_explainer.experiments.study.plans import CHARGED, PlannedScenario
 from mirror_explainer.experiments.study.scenarios import ITEMS
-from mirror_explainer.listener.mirror_model import Floats, MirrorModel
+from mirror_explainer.listener.mirror_model import MirrorModel
 from mirror_explainer.pddl import words_of
+from mirror_explainer.selection.evidence import Floats
 
 # Each kind, with what sets it apart from the listener whom the robot has in mind.
 KINDS: Mapping[str, str] = {

@@ -16,7 +16,7 @@ from mirror_explainer.experiments.study.observers import (
     with_habits,
 )
 from mirror_explainer.experiments.study.plans import PlannedScenario
-from mirror_explainer.listener.mirror_model import Floats
+from mirror_explainer.selection.evidence import Floats
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from mirror_explainer.planning.messages import (
     Ask,
     Attempt,
     Done,
+    EndSearches,
     Refusal,
-    Stop,
     Unfitting,
     unknown,
 )
@@ -135,7 +135,7 @@ class DownwardWay:
 
         It is ended, and False returned, if it takes long.
         """
-        worker.send(Stop())
+        worker.send(EndSearches())
         end = time.monotonic() + grace
         try:
             while worker.connection.poll(max(0.0, end - time.monotonic())):

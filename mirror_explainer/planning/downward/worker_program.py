@@ -19,7 +19,7 @@ from mirror_explainer.planning.downward.program import downward, kstar
 from mirror_explainer.planning.downward.searches import Searches
 from mirror_explainer.planning.downward.subject import Subjects
 from mirror_explainer.planning.downward.superset_walk import SupersetWalk
-from mirror_explainer.planning.messages import Ask, Attempt, Done, Refusal, Stop, Unfitting
+from mirror_explainer.planning.messages import Ask, Attempt, Done, EndSearches, Refusal, Unfitting
 from mirror_explainer.planning.processes.child import Parent
 from mirror_explainer.planning.processes.confinement import limit_memory
 
@@ -72,7 +72,7 @@ class DownwardWorker:
         return Done(searches.calls, searches.searching, way, searches.worked)
 
     def _stopped(self) -> bool:
-        return isinstance(self._parent.receive(), Stop)
+        return isinstance(self._parent.receive(), EndSearches)
 
     def _subjects(self, ask: Ask) -> tuple[list[Subjects], str]:
         """Return what to plan for, and how in a few words."""
