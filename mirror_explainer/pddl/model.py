@@ -5,7 +5,8 @@ ten times longer, and tells what is wrong without names or lines.
 """
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 
 import unified_planning.exceptions as up_exceptions
@@ -18,16 +19,22 @@ from unified_planning.model.metrics import (
     MinimizeSequentialPlanLength,
 )
 
-from mirror_explainer.errors import InputError, did_you_mean
+from mirror_explainer.errors import InputError
+from mirror_explainer.pddl.atoms import effects_in
 from mirror_explainer.pddl.expressions import Bound, Expressions
-from mirror_explainer.pddl.text.actions import Action, Effect, effects, timed_conditions
+from mirror_explainer.pddl.text.actions import (
+    CHANGES,
+    TOTAL_COST,
+    Action,
+    Effect,
+    duration_bounds,
+    effects,
+    timed_conditions,
+)
 from mirror_explainer.pddl.text.declarations import Declarations, Declared
-from mirror_explainer.pddl.text.definition import Definition, unequal
-from mirror_explainer.pddl.text.numerals import number
-from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, word
-
-TOTAL_COST = 'total-cost'
-_CHANGES = ('increase', 'decrease', 'assign')
+from mirror_explainer.pddl.text.definition import Definition
+from mirror_explainer.pddl.text.initial import initial_values
+from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text
 
 
 class Model(up.Problem):
@@ -71,6 +78,7 @@ class _Builder:
         self._environment = self._model.environment
         self._environment.error_used_name = False  # in what compilers make of it, too
         self._manager = self._environment.expression_manager
+        self._expressions = Expressions(self._model)
         self._types: dict[str, up.Type] = {}
 
     def build(self, actions: Sequence[Action]) -> up.Problem:
@@ -87,7 +95,6 @@ class _Builder:
                 self._model.add_fluent(self._fluent(function, real))
             for name, kinds in self._declared.objects.items():
                 self._model.add_object(up.Object(name, self._type(kinds[0]), self._environment))
-            self._expressions = Expressions(self._model)
             for action in actions:
                 self._model.add_action(
                     self._durative(action) if action.durative else self._instantaneous(action)
@@ -126,14 +133,7 @@ class _Builder:
         condition = action.parts.get(':precondition')
         if condition is not None:
             made.add_precondition(self._condition(condition, bound))
-        for effect in effects(action.parts.get(':effect'), self._domain.source, False):
-            variables, fluent, kind, value, when = self._effect(effect, bound, action)
-            add = {
-                'increase': made.add_increase_effect,
-                'decrease': made.add_decrease_effect,
-            }.get(kind, made.add_effect)
-            with self._clashes(effect):
-                add(fluent, value, when, forall=variables)
+        self._add_effects(made, action, bound)
         return made
 
     def _durative(self, action: Action) -> up.DurativeAction:
@@ -153,8 +153,16 @@ class _Builder:
         intervals = {'start': start, 'end': end, 'all': up.OpenTimeInterval(start, end)}
         for phase, condition in timed_conditions(action.parts.get(':condition'), source):
             made.add_condition(intervals[phase], self._condition(condition, bound))
-        for effect in effects(action.parts.get(':effect'), source, True):
-            if not effect.phase:
+        self._add_effects(made, action, bound)
+        return made
+
+    def _add_effects(
+        self, made: up.InstantaneousAction | up.DurativeAction, action: Action, bound: Bound
+    ) -> None:
+        source = self._domain.source
+        timings = {'': [], 'start': [up.StartTiming()], 'end': [up.EndTiming()]}
+        for effect in effects(action.parts.get(':effect'), source, action.durative):
+            if action.durative and not effect.phase:
                 raise InputError(
                     source,
                     f'"{as_text(effect.change)[:80]}" does not say when it happens: write '
@@ -167,11 +175,16 @@ class _Builder:
                 'decrease': made.add_decrease_effect,
             }.get(kind, made.add_effect)
             with self._clashes(effect):
-                add(intervals[effect.phase], fluent, value, when, forall=variables)
-        return made
+                add(*timings[effect.phase], fluent, value, when, forall=variables)
 
-    def _clashes(self, effect: Effect) -> '_Clashes':
-        return _Clashes(self._domain.source, effect.change)
+    @contextmanager
+    def _clashes(self, effect: Effect) -> Iterator[None]:
+        """Raise what unified-planning says about an effect as InputError, with its line."""
+        try:
+            yield
+        except (AssertionError, up_exceptions.UPException) as error:
+            reason = f'"{as_text(effect.change)[:80]}" cannot be an effect: {error}'
+            raise InputError(self._domain.source, reason, effect.change.line) from error
 
     def _effect(
         self, effect: Effect, bound: Bound, action: Action
@@ -184,13 +197,13 @@ class _Builder:
         conditions = [self._expressions.expression(c, every) for c in effect.conditions]
         when = self._manager.And(conditions) if conditions else self._manager.TRUE()
         change = effect.change
-        if change.head in _CHANGES and len(change) != 3:
+        if change.head in CHANGES and len(change) != 3:
             reason = (
                 f'"{as_text(change)[:80]}" is wrong: write ({change.head} (function …) number)'
             )
             raise InputError(self._domain.source, reason, change.line)
         kind, value = '', self._manager.TRUE()
-        if change.head in _CHANGES:
+        if change.head in CHANGES:
             kind, value = change.head, self._expressions.number(change[2], every)
             fluent = self._expressions.number(change[1], every)
         elif change.head == 'not' and len(change) == 2:
@@ -204,18 +217,20 @@ class _Builder:
             raise InputError(self._domain.source, reason, change.line)
         return tuple(names.values()), fluent, kind, value, when
 
-    def _condition(self, tree: Tree, bound: Bound) -> up.FNode:
+    def _condition(self, tree: Tree, bound: Bound, source: str = '') -> up.FNode:
+        """Return a condition of the domain, or of another source."""
         found = self._expressions.expression(tree, bound)
-        self._expressions.require_known(self._domain.source, lines=True)
+        self._expressions.require_known(source or self._domain.source, lines=True)
         return found
 
-    def _number(self, tree: Tree | None, bound: Bound) -> up.FNode:
+    def _number(self, tree: Tree | None, bound: Bound, source: str = '') -> up.FNode:
+        """Return a number of the domain, or of another source."""
         found = self._expressions.number(tree, bound)
-        self._expressions.require_known(self._domain.source, lines=True)
+        self._expressions.require_known(source or self._domain.source, lines=True)
         return found
 
     def _add_goal(self) -> None:
-        """Add each conjunct of the goal."""
+        """Add the goal, as one condition."""
         goal = self._problem.section(':goal')
         source = self._problem.source
         if goal is None:
@@ -223,9 +238,7 @@ class _Builder:
         if len(goal) != 2:
             reason = '(:goal …) takes one condition: join several by (and …)'
             raise InputError(source, reason, goal.line)
-        expression = self._expressions.expression(goal[1], {})
-        self._expressions.require_known(source, lines=True)
-        self._model.add_goal(expression)
+        self._model.add_goal(self._condition(goal[1], {}, source))
 
     def _add_metric(self) -> None:
         """Add what is to be minimised; costs of actions become unified-planning's own metric."""
@@ -245,23 +258,16 @@ class _Builder:
         elif name == TOTAL_COST and least and self._model.has_fluent(TOTAL_COST):
             self._add_costs()
         else:
-            expression = self._expressions.number(what, {})
-            self._expressions.require_known(source, lines=True)
             kind = MinimizeExpressionOnFinalState if least else MaximizeExpressionOnFinalState
-            self._model.add_quality_metric(kind(expression))
+            self._model.add_quality_metric(kind(self._number(what, {}, source)))
 
     def _add_costs(self) -> None:
         """Take the effects on the total cost out of the actions, into a metric."""
         total = self._manager.FluentExp(self._model.fluent(TOTAL_COST))
         costs: dict[up.Action, up.FNode] = {}
         for action in self._model.actions:
-            lists = (
-                list(action.effects.values())
-                if isinstance(action, up.DurativeAction)
-                else [action.effects]
-            )
-            for changes in lists:
-                for effect in [e for e in changes if e.fluent == total]:
+            for effect in effects_in(action):
+                if effect.fluent == total:
                     if effect.is_conditional() or effect.is_forall() or action in costs:
                         return
                     costs[action] = effect.value
@@ -269,15 +275,12 @@ class _Builder:
             kept = (
                 [(t, e) for t, all_of in action.effects.items() for e in all_of]
                 if isinstance(action, up.DurativeAction)
-                else [(None, e) for e in action.effects]
+                else [(e,) for e in action.effects]
             )
             action.clear_effects()
-            for timing, effect in kept:
+            for *timing, effect in kept:
                 if effect.fluent != total:
-                    if timing is None:
-                        action._add_effect_instance(effect)
-                    else:
-                        action._add_effect_instance(timing, effect)
+                    action._add_effect_instance(*timing, effect)
         self._model._fluents.remove(total.fluent())
         self._model.explicit_initial_values.pop(total, None)
         units = len(costs) == len(self._model.actions) and all(
@@ -334,8 +337,7 @@ class _Builder:
     def _misfit(self, atom: Branch, value: bool | Fraction) -> InputError:
         """Say in what an initial value does not fit the declarations."""
         source = self._problem.source
-        known = self._declared.functions if not isinstance(value, bool) else None
-        if known is not None:
+        if not isinstance(value, bool):
             self._expressions.number(atom, {})
         elif atom.head in self._declared.functions:
             reason = f'{as_text(atom)}: "{atom.head}" is a number: write (= {as_text(atom)} 1)'
@@ -344,97 +346,3 @@ class _Builder:
             self._expressions.atom(atom, {})
         reason = '; '.join(self._expressions.faults)
         return InputError(source, reason or f'{as_text(atom)} does not fit', atom.line)
-
-
-class _Clashes:
-    """Raises what unified-planning says about an effect as InputError, with its line."""
-
-    def __init__(self, source: str, change: Branch) -> None:
-        self._source = source
-        self._change = change
-
-    def __enter__(self) -> None:
-        return
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if isinstance(error, AssertionError | up_exceptions.UPException):
-            reason = f'"{as_text(self._change)[:80]}" cannot be an effect: {error}'
-            raise InputError(self._source, reason, self._change.line) from error
-
-
-def initial_values(problem: Definition) -> 'list[tuple[Branch, bool | Fraction]]':
-    """Return what :init says: atoms that hold or do not, and functions with their numbers.
-
-    Raises InputError with the line of what is neither, or of another number for a function.
-    """
-    found: list[tuple[Branch, bool | Fraction]] = []
-    numbers: dict[tuple[str, ...], tuple[Fraction, Branch]] = {}
-    parts = problem.contents(':init')
-    if len(parts) == 1 and isinstance(parts[0], Branch) and parts[0].head == 'and':
-        parts = parts[0][1:]
-    for part in parts:
-        head = part.head if isinstance(part, Branch) else ''
-        if isinstance(part, Branch) and head == '=' and len(part) == 3:
-            function, value = part[1:]
-            amount = number(value) if isinstance(value, Word) else None
-            if isinstance(value, Branch) and value.head == '-' and len(value) == 2:
-                amount = -(number(str(value[1])) or Fraction(0))
-            if isinstance(function, Word):
-                function = part.like([function])
-            if amount is None or not function.head:
-                reason = f'"{as_text(part)[:80]}" gives no number'
-                raise InputError(problem.source, reason, part.line)
-            first = numbers.setdefault(tuple(map(str, function)), (amount, part))
-            if first[0] != amount:
-                raise unequal(f'the value of {as_text(function)}', first[1], part, problem.source)
-            found.append((function, amount))
-        elif (
-            isinstance(part, Branch)
-            and head == 'not'
-            and len(part) == 2
-            and isinstance(part[1], Branch)
-        ):
-            found.append((part[1], False))
-        elif isinstance(part, Branch) and head and head not in ('and', 'or', '=', 'not'):
-            found.append((part, True))
-        else:
-            shown = as_text(part)[:80]
-            hint = did_you_mean(head, ['and'])
-            raise InputError(
-                problem.source,
-                f'"{shown}" is no fact that can hold initially{hint}',
-                part.line,
-            )
-    return found
-
-
-def duration_bounds(action: Action, source: str) -> tuple[Tree | None, Tree | None]:
-    """Return the least and the most that an action takes, None where it is open.
-
-    Raises InputError for what is no duration.
-    """
-    tree = action.parts[':duration']
-    assert isinstance(tree, Branch)
-    least: Tree | None = None
-    most: Tree | None = None
-    for part in tree[1:] if tree.head == 'and' or not tree else [tree]:
-        if isinstance(part, Branch) and part.head == 'at' and len(part) == 3:
-            part = part[2]
-        if (
-            not isinstance(part, Branch)
-            or len(part) != 3
-            or part[1] != '?duration'
-            or part.head not in ('=', '<=', '>=', '<', '>')
-        ):
-            raise InputError(
-                source,
-                f'"{as_text(part)[:80]}" is no duration of "{action.name}": write (= ?duration …)',
-                part.line,
-            )
-        if part.head != '<' and part.head != '<=':
-            least = part[2]
-        if part.head != '>' and part.head != '>=':
-            most = part[2]
-    if least is None and most is None:  # any time will do
-        return word('0', tree), None
-    return least, most

@@ -9,9 +9,9 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mirror_explainer.pddl.numbers.arithmetic import CHANGES
 from mirror_explainer.pddl.text.actions import (
     ACTION,
+    CHANGES,
     Action,
     Effect,
     effects,

@@ -6,16 +6,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from mirror_explainer.pddl.model import initial_values
-from mirror_explainer.pddl.text.actions import Action, effects
+from mirror_explainer.pddl.text.actions import CHANGES, Action, effects
 from mirror_explainer.pddl.text.declarations import Declarations, Kinds
 from mirror_explainer.pddl.text.definition import Definition
+from mirror_explainer.pddl.text.initial import initial_values
 from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word
 
 # As many as can be written and planned with.
 MOST_TUPLES = 100_000
-CHANGES = ('increase', 'decrease', 'assign')
 _COMPARE = {
     '=': lambda a, b: a == b,
     '<': lambda a, b: a < b,

@@ -9,16 +9,22 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from mirror_explainer.errors import InputError, did_you_mean
-from mirror_explainer.pddl.model import TOTAL_COST, duration_bounds
 from mirror_explainer.pddl.numbers.arithmetic import (
-    CHANGES,
     Binding,
     Numbers,
     TooManyError,
     decimal,
     used_variables,
 )
-from mirror_explainer.pddl.text.actions import Action, Effect, Parts, effects
+from mirror_explainer.pddl.text.actions import (
+    CHANGES,
+    TOTAL_COST,
+    Action,
+    Effect,
+    Parts,
+    duration_bounds,
+    effects,
+)
 from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
 from mirror_explainer.pddl.text.left_out import CHANGING_DURATIONS, METRIC, METRIC_UNKNOWN, LeftOut

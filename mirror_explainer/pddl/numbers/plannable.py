@@ -7,18 +7,19 @@ left out: conditions on them count as true.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from mirror_explainer.pddl.model import TOTAL_COST, duration_bounds
 from mirror_explainer.pddl.numbers.arithmetic import (
-    CHANGES,
     Numbers,
     TooManyError,
     used_variables,
 )
 from mirror_explainer.pddl.numbers.costs import with_effects
 from mirror_explainer.pddl.text.actions import (
+    CHANGES,
+    TOTAL_COST,
     Action,
     Effect,
     Parts,
+    duration_bounds,
     effects,
     timed_conditions,
     variables_of,

@@ -9,6 +9,8 @@ from mirror_explainer.pddl.text.definition import Definition, unequal
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, require_name, word
 
 ACTION, DURATIVE = ':action', ':durative-action'
+TOTAL_COST = 'total-cost'
+CHANGES = ('increase', 'decrease', 'assign')  # of numbers
 _FORMS = {'forall': '(forall (?x - type) effect)', 'when': '(when condition effect)'}
 _PARTS = {
     ACTION: (':parameters', ':precondition', ':effect'),
@@ -215,3 +217,35 @@ def timed_conditions(tree: Tree | None, source: str) -> Iterator[tuple[str, Tree
             '(over all …) or (at end …)',
             tree.line,
         )
+
+
+def duration_bounds(action: Action, source: str) -> tuple[Tree | None, Tree | None]:
+    """Return the least and the most that an action takes, None where it is open.
+
+    Raises InputError for what is no duration.
+    """
+    tree = action.parts[':duration']
+    assert isinstance(tree, Branch)
+    least: Tree | None = None
+    most: Tree | None = None
+    for part in tree[1:] if tree.head == 'and' or not tree else [tree]:
+        if isinstance(part, Branch) and part.head == 'at' and len(part) == 3:
+            part = part[2]
+        if (
+            not isinstance(part, Branch)
+            or len(part) != 3
+            or part[1] != '?duration'
+            or part.head not in ('=', '<=', '>=', '<', '>')
+        ):
+            raise InputError(
+                source,
+                f'"{as_text(part)[:80]}" is no duration of "{action.name}": write (= ?duration …)',
+                part.line,
+            )
+        if part.head != '<' and part.head != '<=':
+            least = part[2]
+        if part.head != '>' and part.head != '>=':
+            most = part[2]
+    if least is None and most is None:  # any time will do
+        return word('0', tree), None
+    return least, most
