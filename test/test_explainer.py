@@ -365,6 +365,7 @@ TYPES = {
     'understanding': NUMBER,
     'true_goal': str,
     'unmentioned': [str],
+    'in_words': dict,
     'optimal': bool,
     'gap': NUMBER,
     'complete': bool,
@@ -574,6 +575,36 @@ def test_a_robot_with_an_unlisted_goal_is_explained_with_a_warning(
     assert told.understanding_before < 0.05
     assert told.understanding > 0.9
     assert 'is not among the user model' in preparation.warnings[0]
+
+
+def test_goals_without_a_name_and_what_is_unsaid_are_put_in_words(
+    task: Task, warehouse: Path
+) -> None:
+    plan = robot_plan(task, (warehouse / 'plan.txt').read_text())
+    both = '(and (holding red_circle) (outside bottom_door))'
+    model = UserModel(
+        (
+            CandidateGoal(both, both, 0.5),
+            CandidateGoal('leave', '(outside bottom_door)', 0.3),
+            CandidateGoal('(charged)', '(charged)', 0.2),
+        )
+    )
+
+    told = explain(prepare(task, plan, model), asked(n=1)).as_dict()
+
+    assert told['unmentioned'] == ['(holding red_circle)', '(outside bottom_door)']
+    circle, cube, door = (
+        'grab the red circle',
+        'grab the blue cube',
+        'exit through the bottom door',
+    )
+    assert told['in_words'] == {
+        told['true_goal']: f'{circle}, {cube} and {door}',
+        both: f'{circle} and {door}',
+        '(charged)': 'recharge',
+        '(holding red_circle)': circle,
+        '(outside bottom_door)': door,
+    }
 
 
 def test_an_unreachable_goal_of_the_robot_or_of_the_user_is_told(

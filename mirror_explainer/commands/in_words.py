@@ -44,7 +44,8 @@ def _taken_for(explanation: Explanation) -> str:
 
 def _named(explanation: Explanation, goal: str) -> str:
     """Return what a goal is called, shortened, in quotation marks."""
-    return f'"{shorten(explanation.called(goal), _LONGEST_NAME, placeholder=" …")}"'
+    called = explanation.in_words.get(goal, goal)
+    return f'"{shorten(called, _LONGEST_NAME, placeholder=" …")}"'
 
 
 def _left_open(explanation: Explanation) -> list[str]:

@@ -21,8 +21,8 @@ from mirror_explainer.settings import Question
 _KEYS = (
     'strategy', 'n', 'sentences', 'spoken', 'positions', 'actions', 'information_gain',
     'doubt_before', 'doubt_after', 'cross_entropy_before', 'cross_entropy_after',
-    'understanding_before', 'understanding', 'true_goal', 'unmentioned', 'optimal', 'gap',
-    'complete', 'planned', 'covered_mass', 'unsolvable_mass', 'unknown_mass', 'plans_cut',
+    'understanding_before', 'understanding', 'true_goal', 'unmentioned', 'in_words', 'optimal',
+    'gap', 'complete', 'planned', 'covered_mass', 'unsolvable_mass', 'unknown_mass', 'plans_cut',
     'listener', 'goals', 'facts', 'baselines', 'plan', 'episode',
 )  # fmt: skip
 
@@ -201,20 +201,24 @@ class Explanation:
         """The name of G_R."""
         return self.model.robot_goal.name
 
-    def called(self, goal: str) -> str:
-        """Return what a goal of this name is called: one without a name by what is to be done."""
-        named = next(
-            (index for index, each in enumerate(self.model.goals) if each.name == goal), None
-        )
-        if named is None or self.model.goals[named].goal != goal:
-            return goal
-        parts = map(str, self.preparation.prior.parts[named])
-        return self.preparation.goal_names.of([*parts]) or goal
-
     @property
     def unmentioned(self) -> list[str]:
         """The parts of the robot's goal that no said sentence achieves, as PDDL."""
         return [str(part) for part in self.model.unmentioned(self._heard)]
+
+    @cached_property
+    def in_words(self) -> dict[str, str]:
+        """What goals without a name, and what is unmentioned, are called, by their PDDL.
+
+        Of what can be called so: by what is to be done.
+        """
+        parts = {
+            goal.goal: [str(part) for part in parts]
+            for goal, parts in zip(self.model.goals, self.preparation.prior.parts, strict=True)
+            if goal.name == goal.goal
+        } | {part: [part] for part in self.unmentioned}
+        called = {text: self.preparation.goal_names.of(of) for text, of in parts.items()}
+        return {text: words for text, words in called.items() if words}
 
     @cached_property
     def unsaid_ends(self) -> list[int]:
@@ -365,9 +369,9 @@ class Explanation:
                 f'Explanation of {self.n} of {len(self.model.sentences)} steps:',
                 *(f'  {line}' for line in self.spoken.split('\n')),
                 f'  understood: {self.understanding_before:.0%} before, {self.understanding:.0%} '
-                f'after ("{self.called(self.true_goal)}")',
+                f'after ("{self.in_words.get(self.true_goal, self.true_goal)}")',
             ]
         )
 
     def _repr_html_(self) -> str:
-        return as_html(self.spoken, self.goals, self.called)
+        return as_html(self.spoken, self.goals, self.in_words)

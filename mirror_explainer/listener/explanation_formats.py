@@ -1,6 +1,6 @@
 """An explanation in other forms: its hypotheses as plain values for JSON, its goals as HTML."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -28,14 +28,14 @@ def hypothesis_rows(model: MirrorModel) -> Iterator[dict[str, Any]]:
         yield row
 
 
-def as_html(spoken: str, goals: Sequence[Mapping[str, Any]], called: Callable[[str], str]) -> str:
+def as_html(spoken: str, goals: Sequence[Mapping[str, Any]], in_words: Mapping[str, str]) -> str:
     """Return what is said, and the likeliest goals with prior and posterior, for a notebook.
 
-    `called` returns what a goal of a name is called.
+    `in_words` has what goals without a name are called.
     """
     said = '<br>'.join(escape(line) for line in spoken.split('\n'))
     rows = ''.join(
-        f'<tr><td>{escape(called(goal["name"]) if goal["name"] else "a part of these")}</td>'
+        f'<tr><td>{escape(in_words.get(goal["name"], goal["name"] or "a part of these"))}</td>'
         f'<td>{goal["prior"]:.0%}</td><td>{goal["posterior"]:.0%}</td></tr>'
         for goal in sorted(goals, key=lambda goal: -goal['posterior'])[:_GOALS_SHOWN]
     )

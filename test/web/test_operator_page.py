@@ -318,6 +318,23 @@ def test_the_page_fits_every_screen_also_at_200_percent_with_names_of_any_kind(o
     press(operator)  # which brings the true names back
 
 
+def test_goals_and_their_parts_are_shown_in_words(operator, shared):
+    explanations = shared.peer.hear('mirror_explainer/explanation')
+    press(operator)
+    more(operator)
+    eventually(lambda: explanations, 'the explanation')
+    told = json.loads(explanations[-1])
+    told['true_goal'] = told['goals'][0]['name'] = '(and (holding cup) (at home))'
+    told['unmentioned'] = ['(at home)', '(lit lamp)']
+    told['in_words'] = {told['true_goal']: 'take the cup and go home', '(at home)': 'go home'}
+    shared.peer.publish('mirror_explainer/explanation', json.dumps(told))
+    expect(operator.locator('#belief .goal-name')).to_have_text('take the cup and go home')
+    expect(operator.locator('#more tr.lit th').first).to_contain_text('take the cup and go home')
+    unsaid = operator.locator('#more li').filter(has_not=operator.locator('p'))
+    expect(unsaid).to_have_text(['go home', '(lit lamp)'])
+    press(operator)  # which brings the true names back
+
+
 def test_at_first_sight_answer_belief_and_plan_are_on_one_screen_and_nothing_jumps(
     chromium, shared
 ):

@@ -242,6 +242,9 @@ def test_the_belief_is_set_beside_what_the_baselines_would_have_told(heard: Hear
     assert shown is not None
     assert (shown.before, shown.after, shown.goal) == (0.1, 0.2, 'the tenth')
     assert shown.instead == (('its first step', 0.1), ('its last step', 0.15))
+    words = belief(heard.with_answer(answer(in_words={'the tenth': 'fetch a cup'}), ''))
+    assert words is not None
+    assert words.goal == 'fetch a cup'
     itself = belief(heard.with_answer(answer(baselines=others, strategy='increasing'), ''))
     assert itself is not None
     assert [name for name, _ in itself.instead] == ['its last step']

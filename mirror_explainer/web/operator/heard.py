@@ -83,9 +83,14 @@ class Answer:
     inputs: str
     planned: float = 1.0
     unmentioned: tuple[str, ...] = ()
+    in_words: Mapping[str, str] = field(default_factory=dict)
     facts: tuple[Fact, ...] = ()
     baselines: tuple[Baseline, ...] = ()
     episode: Episode | None = None
+
+    def called(self, goal: str) -> str:
+        """Return what a goal, or a part of one, is called."""
+        return self.in_words.get(goal, goal)
 
     def comparable(self, other: 'Answer') -> bool:
         """Whether both are about the same plan, for a listener who knew as much before."""

@@ -120,7 +120,6 @@ class Belief:
     before: float
     after: float
     instead: tuple[tuple[str, float], ...]
-    unmentioned: tuple[str, ...]
     planned: float
     old: bool
 
@@ -134,7 +133,7 @@ def belief(heard: Heard) -> Belief | None:
     steps = 'step' if number == 1 else f'{number} steps'
     names = {'increasing': f'its first {steps}', 'decreasing': f'its last {steps}'}
     return Belief(
-        answer.true_goal,
+        answer.called(answer.true_goal),
         answer.understanding_before,
         answer.understanding,
         tuple(
@@ -142,7 +141,6 @@ def belief(heard: Heard) -> Belief | None:
             for other in answer.baselines
             if other.strategy in names and other.strategy != answer.strategy and number
         ),
-        answer.unmentioned if answer.sentences else (),
         answer.planned,
         _may_be_old(heard),
     )

@@ -1,7 +1,8 @@
-"""Probabilities in the operator's templates: as words, and as the width of a bar."""
+"""Filters of the operator's templates: probabilities, and what goals are called."""
 
 from django import template
 
+from mirror_explainer.web.operator.heard import Answer
 from mirror_explainer.web.operator.shown import percent
 
 
@@ -10,6 +11,12 @@ def width(probability: float) -> str:
     return f'{100 * probability:.1f}'
 
 
+def called(goal: str, answer: Answer) -> str:
+    """Return what a goal, or a part of one, is called in an answer."""
+    return answer.called(goal)
+
+
 register = template.Library()
 register.filter('percent', percent)
 register.filter('width', width)
+register.filter('called', called)
