@@ -5,7 +5,7 @@ ten times longer, and tells what is wrong without names or lines.
 """
 
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 
@@ -27,12 +27,12 @@ from mirror_explainer.pddl.text.actions import (
     TOTAL_COST,
     Action,
     Effect,
+    Parts,
     duration_bounds,
     effects,
     timed_conditions,
 )
 from mirror_explainer.pddl.text.declarations import Declarations, Declared
-from mirror_explainer.pddl.text.definition import Definition
 from mirror_explainer.pddl.text.initial import initial_values
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text
 
@@ -46,42 +46,33 @@ class Model(up.Problem):
 
 
 def build_model(
-    domain: Definition,
-    problem: Definition,
-    declared: Declarations,
-    actions: Sequence[Action],
-    stop: Callable[[], None] | None = None,
+    parts: Parts, declared: Declarations, stop: Callable[[], None] | None = None
 ) -> up.Problem:
-    """Return unified-planning's problem of definitions in which each type is a single name.
+    """Return unified-planning's problem of a task in which each type is a single name.
 
     `stop` is called now and then, and may raise. Raises InputError with the line of
     what does not fit the declarations.
     """
-    return _Builder(domain, problem, declared, stop).build(actions)
+    return _Builder(parts, declared, stop).build()
 
 
 class _Builder:
     """Builds one model."""
 
     def __init__(
-        self,
-        domain: Definition,
-        problem: Definition,
-        declared: Declarations,
-        stop: Callable[[], None] | None,
+        self, parts: Parts, declared: Declarations, stop: Callable[[], None] | None
     ) -> None:
-        self._domain = domain
-        self._problem = problem
+        self._domain, self._problem, self._actions = parts.domain, parts.problem, parts.actions
         self._declared = declared
         self._stop = stop
-        self._model = Model(problem.name)
+        self._model = Model(self._problem.name)
         self._environment = self._model.environment
         self._environment.error_used_name = False  # in what compilers make of it, too
         self._manager = self._environment.expression_manager
         self._expressions = Expressions(self._model)
         self._types: dict[str, up.Type] = {}
 
-    def build(self, actions: Sequence[Action]) -> up.Problem:
+    def build(self) -> up.Problem:
         manager = self._environment.type_manager
         with warnings.catch_warnings():
             warnings.simplefilter('ignore')
@@ -95,7 +86,7 @@ class _Builder:
                 self._model.add_fluent(self._fluent(function, real))
             for name, kinds in self._declared.objects.items():
                 self._model.add_object(up.Object(name, self._type(kinds[0]), self._environment))
-            for action in actions:
+            for action in self._actions:
                 self._model.add_action(
                     self._durative(action) if action.durative else self._instantaneous(action)
                 )

@@ -6,7 +6,7 @@ Like unified-planning, this must be used from one thread at a time.
 """
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -21,16 +21,15 @@ from mirror_explainer.pddl.durative.overlap import may_need_overlap
 from mirror_explainer.pddl.environment import use_task_environment
 from mirror_explainer.pddl.expressions import Expressions, nested_words
 from mirror_explainer.pddl.model import build_model
-from mirror_explainer.pddl.numbers.arithmetic import numbers_of
+from mirror_explainer.pddl.numbers.arithmetic import Numbers, changed_function, numbers_of
 from mirror_explainer.pddl.numbers.costs import with_costs
 from mirror_explainer.pddl.numbers.plannable import (
-    changed_function,
     unsteady,
     with_dependents,
     with_fixed_durations,
     without_numbers,
 )
-from mirror_explainer.pddl.text.actions import Action, read_actions
+from mirror_explainer.pddl.text.actions import Action, Parts, read_actions
 from mirror_explainer.pddl.text.by_itself import facts_to_come
 from mirror_explainer.pddl.text.declarations import Declarations, read_declarations
 from mirror_explainer.pddl.text.definition import Definition, read_definition, require_head
@@ -125,7 +124,7 @@ def read_task(
 
 
 def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | None) -> Task:
-    source, left_out = domain.source, LeftOut()
+    left_out = LeftOut()
     declared = read_declarations(domain, problem)
     domain, problem = without_extras(domain, problem, declared, left_out)
     actions = tuple(read_actions(domain, declared.types))
@@ -139,48 +138,26 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     written_objects = dict(declared.written)
     written_actions = {str(action.name): action.name.written for action in actions}
     domain, problem, declared, actions = with_plain_types(domain, problem, declared, actions)
-    durative = any(action.durative for action in actions)
-    durations = [action.parts.get(':duration') for action in actions]
-    actions = tuple(_fixed(action, source, left_out) for action in actions)
-    numbers = numbers_of(problem, declared, actions, source)
-    priced = with_costs(domain, problem, actions, numbers, left_out)
-    domain, problem, actions = priced.domain, priced.problem, priced.actions
-    moved = {
-        kind: with_dependents(map(changed_function, changes), actions, numbers, source)
-        for kind, changes in left_out.changes.items()
-    }
-    for kind, gone in {**moved, UNSTEADY: unsteady(actions, numbers, source)}.items():
-        if gone & numbers.declared.functions.keys():
-            steady = without_numbers(domain, problem, actions, numbers, left_out, gone, kind)
-            domain, problem, actions = steady.domain, steady.problem, steady.actions
-    declared = replace(declared, functions=read_declarations(domain, problem).functions)
-    timed = None
-    if durative:
-        lasting = [
-            action if duration is None else action.having(duration=duration)
-            for action, duration in zip(actions, durations, strict=True)
-        ]
-        timed = build_model(domain, problem, declared, lasting, stop)
-    plannable = without_numbers(domain, problem, actions, numbers, left_out)
-    planned = tuple(
-        _at_once(action, declared, plannable.domain, left_out) for action in plannable.actions
-    )
-    if durative:
-        domain, problem, actions = plannable.domain, plannable.problem, planned
-        declared = read_declarations(domain, problem)
-    model = build_model(domain, problem, declared, actions, stop)
-    axioms = read_axioms(model, plannable.domain, plannable.problem)
-    goal = plannable.problem.contents(':goal')[0]
+    fixed = tuple(_fixed(action, domain.source, left_out) for action in actions)
+    written = Parts(domain, problem, fixed)
+    numbers = numbers_of(written, declared)
+    priced = _steady(with_costs(written, numbers, left_out), numbers, left_out)
+    plannable = without_numbers(priced, numbers, left_out)
+    planned = replace(plannable, actions=tuple(_at_once(plannable, declared, left_out)))
+    functions = read_declarations(priced.domain, priced.problem).functions
+    declared, timed, checked = replace(declared, functions=functions), None, priced
+    if any(action.durative for action in actions):
+        timed = build_model(_lasting(priced, actions), declared, stop)
+        declared, checked = read_declarations(planned.domain, planned.problem), planned
+    model = build_model(checked, declared, stop)
+    axioms = read_axioms(model, planned.domain, planned.problem)
+    goal = planned.problem.contents(':goal')[0]
     _split_goals(model)
     goals = tuple(model.goals)
     if NUMBERS in left_out.places:
         goals = tuple(conjuncts(Expressions(model).expression(goal, {})))
-    texts = with_actions(_as_required(plannable.domain), planned), plannable.problem
-    if _NUMBER in declared.types:  # Fast Downward wants that name for itself
-        texts = _renamed(texts[0], declared), _renamed(texts[1], declared)
     return Task(
-        texts[0].text(),
-        texts[1].without(':requirements').text(),
+        *_texts(planned, declared),
         model,
         as_text(goal),
         goals,
@@ -194,6 +171,36 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     )
 
 
+def _steady(parts: Parts, numbers: Numbers, left_out: LeftOut) -> Parts:
+    """Return a task without the functions that change by themselves, or may grow without end."""
+    gone = {
+        kind: with_dependents(map(changed_function, changes), parts, numbers)
+        for kind, changes in left_out.changes.items()
+    }
+    for kind, functions in {**gone, UNSTEADY: unsteady(parts, numbers)}.items():
+        if functions & numbers.declared.functions.keys():
+            parts = without_numbers(parts, numbers, left_out, functions, kind)
+    return parts
+
+
+def _lasting(parts: Parts, written: Sequence[Action]) -> Parts:
+    """Return a task in which actions take as long as they do in the domain."""
+    durations = [action.parts.get(':duration') for action in written]
+    lasting = (
+        action if duration is None else action.having(duration=duration)
+        for action, duration in zip(parts.actions, durations, strict=True)
+    )
+    return replace(parts, actions=tuple(lasting))
+
+
+def _texts(parts: Parts, declared: Declarations) -> tuple[str, str]:
+    """Return a task's domain and problem as planners take them."""
+    domain, problem = with_actions(_as_required(parts.domain), parts.actions), parts.problem
+    if _NUMBER in declared.types:  # Fast Downward wants that name for itself
+        domain, problem = _renamed(domain, declared), _renamed(problem, declared)
+    return domain.text(), problem.without(':requirements').text()
+
+
 def _fixed(action: Action, source: str, left_out: LeftOut) -> Action:
     """Return an action that takes a certain time, if it takes any."""
     if not action.durative:
@@ -204,16 +211,16 @@ def _fixed(action: Action, source: str, left_out: LeftOut) -> Action:
     return fixed
 
 
-def _at_once(
-    action: Action, declared: Declarations, domain: Definition, left_out: LeftOut
-) -> Action:
-    """Return an action that takes no time."""
-    if not action.durative:
-        return action
-    made, lost = at_once(action, declared, domain.all(':derived'), domain.source)
-    if lost is not None:
-        left_out.note(DERIVED_LATER, domain.source, lost)
-    return made
+def _at_once(parts: Parts, declared: Declarations, left_out: LeftOut) -> Iterator[Action]:
+    """Yield the actions of a task so that they take no time."""
+    source, derived = parts.domain.source, parts.domain.all(':derived')
+    for action in parts.actions:
+        made, lost = (
+            at_once(action, declared, derived, source) if action.durative else (action, None)
+        )
+        if lost is not None:
+            left_out.note(DERIVED_LATER, source, lost)
+        yield made
 
 
 def _as_required(domain: Definition) -> Definition:

@@ -2,13 +2,12 @@
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from mirror_explainer.pddl.text.actions import CHANGES, Action, effects
+from mirror_explainer.pddl.text.actions import CHANGES, Parts, effects
 from mirror_explainer.pddl.text.declarations import Declarations, Kinds
-from mirror_explainer.pddl.text.definition import Definition
 from mirror_explainer.pddl.text.initial import initial_values
 from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word
@@ -99,27 +98,28 @@ class Numbers:
             yield dict(zip(variables, objects, strict=True))
 
 
-def numbers_of(
-    problem: Definition, declared: Declarations, actions: Sequence[Action], source: str
-) -> Numbers:
-    """Return the numbers of a task; `source` is the domain's."""
+def numbers_of(parts: Parts, declared: Declarations) -> Numbers:
+    """Return the numbers of a task."""
     values: dict[tuple[str, ...], Fraction] = {}
-    for atom, value in initial_values(problem):
+    for atom, value in initial_values(parts.problem):
         if not isinstance(value, bool):
             values[tuple(map(str, atom))] = value
-    changing = {
-        change[1].head if isinstance(change[1], Branch) else str(change[1])
-        for change in changes(actions, source)
-    }
-    return Numbers(declared, values, frozenset(changing))
+    return Numbers(declared, values, frozenset(name for name, _ in changes(parts)))
 
 
-def changes(actions: Iterable[Action], source: str) -> Iterator[Branch]:
-    """Yield every change of a number."""
-    for action in actions:
-        for effect in effects(action.parts.get(':effect'), source, action.durative):
-            if effect.change.head in CHANGES and len(effect.change) == 3:
-                yield effect.change
+def changes(parts: Parts) -> Iterator[tuple[str, Tree]]:
+    """Yield each function that actions change, and by what."""
+    for action in parts.actions:
+        for effect in effects(action.parts.get(':effect'), parts.domain.source, action.durative):
+            if name := changed_function(effect.change):
+                yield name, effect.change[2]
+
+
+def changed_function(change: Branch) -> str:
+    """Return the function that a change of a number is about, "" if it is about none."""
+    if change.head not in CHANGES or len(change) != 3:
+        return ''
+    return change[1].head if isinstance(change[1], Branch) else str(change[1])
 
 
 def used_variables(tree: Tree) -> list[str]:

@@ -13,11 +13,11 @@ from mirror_explainer.pddl.numbers.arithmetic import (
     Binding,
     Numbers,
     TooManyError,
+    changed_function,
     decimal,
     used_variables,
 )
 from mirror_explainer.pddl.text.actions import (
-    CHANGES,
     TOTAL_COST,
     Action,
     Effect,
@@ -37,8 +37,8 @@ _LARGEST = 1_000_000
 
 # A function of objects, or the total time: what the metric adds up, with its factor.
 _Terms = dict[tuple[str, ...], Fraction]
-# Effects on what the metric adds up, with their signs.
-_Parts = list[tuple[Effect, Fraction]]
+# Effects that change what the metric adds up, with their signs.
+_Added = list[tuple[Effect, Fraction]]
 
 
 @dataclass(frozen=True)
@@ -61,18 +61,13 @@ class _UnknownFunctionError(Exception):
     """The metric names a function that is not declared."""
 
 
-def with_costs(
-    domain: Definition,
-    problem: Definition,
-    actions: Sequence[Action],
-    numbers: Numbers,
-    left_out: LeftOut,
-) -> Parts:
+def with_costs(parts: Parts, numbers: Numbers, left_out: LeftOut) -> Parts:
     """Return the task with its metric, if there is one, as costs of actions.
 
     It is then to minimise the total cost or time. Without a metric, or with one that is left
     out, there are no costs.
     """
+    domain, problem, actions = parts.domain, parts.problem, parts.actions
     metric = problem.section(':metric')
     unpriced = Parts(
         _without_total(domain, ':functions'),
@@ -85,11 +80,9 @@ def with_costs(
     try:
         if metric is None:
             terms: _Terms = {(TOTAL_TIME,): Fraction(1)}
-            return _Pricing(unpriced.domain, unpriced.problem, numbers, terms, left_out).priced(
-                unpriced.actions
-            )
+            return _Pricing(unpriced, numbers, terms, left_out).priced()
         if len(metric) != 3 or metric[1] not in ('minimize', 'maximize'):
-            return Parts(domain, problem, tuple(actions))  # its reader says what is wrong
+            return parts  # its reader says what is wrong
         terms = _terms(metric[2], Fraction(1 if metric[1] == 'minimize' else -1), numbers)
         if not durative:
             terms.pop((TOTAL_TIME,), None)
@@ -97,8 +90,8 @@ def with_costs(
             return unpriced
         if terms == {(TOTAL_COST,): 1} and _is_plain(domain, actions, numbers):
             least = made(f'(:metric minimize ({TOTAL_COST}))', metric)
-            return Parts(domain, problem.having(':metric', least), tuple(actions))
-        return _Pricing(domain, problem, numbers, terms, left_out).priced(actions)
+            return replace(parts, problem=problem.having(':metric', least))
+        return _Pricing(parts, numbers, terms, left_out).priced()
     except (_NoSumError, TooManyError):
         left_out.note(METRIC, problem.source, metric)
     except _UnknownFunctionError as unknown:
@@ -147,7 +140,7 @@ def _is_plain(domain: Definition, actions: Sequence[Action], numbers: Numbers) -
         found = [
             effect
             for effect in effects(action.parts.get(':effect'), domain.source, action.durative)
-            if _changed(effect.change) == TOTAL_COST
+            if changed_function(effect.change) == TOTAL_COST
         ]
         for effect in found:
             value = effect.change[2]
@@ -171,16 +164,8 @@ def _is_plain(domain: Definition, actions: Sequence[Action], numbers: Numbers) -
 class _Pricing:
     """Works out what each action adds to a metric."""
 
-    def __init__(
-        self,
-        domain: Definition,
-        problem: Definition,
-        numbers: Numbers,
-        terms: _Terms,
-        left_out: LeftOut,
-    ) -> None:
-        self._domain = domain
-        self._problem = problem
+    def __init__(self, parts: Parts, numbers: Numbers, terms: _Terms, left_out: LeftOut) -> None:
+        self._domain, self._problem, self._actions = parts.domain, parts.problem, parts.actions
         self._numbers = numbers
         self._terms = terms
         self._left_out = left_out
@@ -188,9 +173,9 @@ class _Pricing:
         self._tables: dict[str, _Table] = {}
         self._digits = 0
 
-    def priced(self, actions: Sequence[Action]) -> Parts:
+    def priced(self) -> Parts:
         """Return the task with costs. Raises _NoSumError, TooManyError and InputError."""
-        tables = [self._table(action) for action in actions]
+        tables = [self._table(action) for action in self._actions]
         most = max((v for table in tables for v in table.values.values()), default=Fraction(0))
         self._digits = next((d for d in range(6, 0, -1) if most * 10**d <= _LARGEST), 0)
         kept = [
@@ -198,7 +183,7 @@ class _Pricing:
                 _without_changes(action, {TOTAL_COST}, self._domain.source),
                 self._cost(action, table),
             )
-            for action, table in zip(actions, tables, strict=True)
+            for action, table in zip(self._actions, tables, strict=True)
         ]
         return Parts(self._with_functions(), self._with_values(), tuple(kept))
 
@@ -244,7 +229,7 @@ class _Pricing:
                 values[tuple(binding.values())] = sum(known, Fraction(0))
         return _Table(variables, values, self._function(parts, duration))
 
-    def _function(self, parts: _Parts, duration: Tree | None) -> Tree | None:
+    def _function(self, parts: _Added, duration: Tree | None) -> Tree | None:
         """Return the function whose value is all that an action adds, if there is one."""
         if duration is not None:
             alone, factor = not parts, self._terms[(TOTAL_TIME,)]
@@ -257,11 +242,11 @@ class _Pricing:
         plain = isinstance(duration, Branch) and duration.head in self._numbers.declared.functions
         return duration if alone and plain and factor == 1 else None
 
-    def _parts(self, action: Action) -> _Parts:
+    def _parts(self, action: Action) -> _Added:
         """Return the effects on what the metric adds up, with their signs."""
-        parts: _Parts = []
+        parts: _Added = []
         for effect in effects(action.parts.get(':effect'), self._domain.source, action.durative):
-            if _changed(effect.change) in self._summed:
+            if changed_function(effect.change) in self._summed:
                 if (
                     effect.change.head not in ('increase', 'decrease')
                     or effect.variables
@@ -356,17 +341,10 @@ def _equation(names: Sequence[str], value: str, place: Tree) -> Branch:
     return Branch(parts, place.line, place.column)
 
 
-def _changed(change: Branch) -> str:
-    """Return the function that an effect changes, '' if it changes none."""
-    if change.head not in CHANGES or len(change) != 3:
-        return ''
-    return change[1].head if isinstance(change[1], Branch) else str(change[1])
-
-
 def _without_changes(action: Action, functions: set[str], source: str) -> Action:
     """Return an action without effects on some functions."""
     every = [*effects(action.parts.get(':effect'), source, action.durative)]
-    kept = [effect for effect in every if _changed(effect.change) not in functions]
+    kept = [effect for effect in every if changed_function(effect.change) not in functions]
     return action if len(kept) == len(every) else with_effects(action, kept)
 
 

@@ -4,17 +4,18 @@ Conditions on numbers that never change become facts, which is exact. Numbers th
 left out: conditions on them count as true.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from mirror_explainer.pddl.numbers.arithmetic import (
     Numbers,
     TooManyError,
+    changed_function,
+    changes,
     used_variables,
 )
 from mirror_explainer.pddl.numbers.costs import with_effects
 from mirror_explainer.pddl.text.actions import (
-    CHANGES,
     TOTAL_COST,
     Action,
     Effect,
@@ -34,9 +35,7 @@ _FACT = 'numbers-fit'
 
 
 def without_numbers(
-    domain: Definition,
-    problem: Definition,
-    actions: Sequence[Action],
+    parts: Parts,
     numbers: Numbers,
     left_out: LeftOut,
     only: Iterable[str] | None = None,
@@ -48,9 +47,8 @@ def without_numbers(
     is noted as of this `kind`.
     """
     if not numbers.declared.functions:
-        return Parts(domain, problem, tuple(actions))
-    folder = _Folder(domain, problem, numbers, left_out, only, kind)
-    return folder.folded(actions)
+        return parts
+    return _Folder(parts, numbers, left_out, only, kind).folded()
 
 
 class _Folder:
@@ -58,15 +56,13 @@ class _Folder:
 
     def __init__(
         self,
-        domain: Definition,
-        problem: Definition,
+        parts: Parts,
         numbers: Numbers,
         left_out: LeftOut,
         only: Iterable[str] | None,
         kind: str,
     ) -> None:
-        self._domain = domain
-        self._problem = problem
+        self._domain, self._problem, self._actions = parts.domain, parts.problem, parts.actions
         self._numbers = numbers
         self._left_out = left_out
         self._only = None if only is None else frozenset(only)
@@ -75,8 +71,8 @@ class _Folder:
         self._facts: list[Tree] = []
         self._names: dict[tuple[str, tuple[Kinds, ...]], str] = {}
 
-    def folded(self, actions: Sequence[Action]) -> Parts:
-        kept = tuple(self._action(action) for action in actions)
+    def folded(self) -> Parts:
+        kept = tuple(self._action(action) for action in self._actions)
         derived = [
             section.like([*section[:2], self._derived(section), *section[3:]])
             if len(section) > 2 and isinstance(section[1], Branch)
@@ -265,39 +261,22 @@ def _renamed(tree: Tree, names: Mapping[str, str]) -> str:
     return f'({" ".join(_renamed(part, names) for part in tree)})'
 
 
-def unsteady(actions: Sequence[Action], numbers: Numbers, source: str) -> set[str]:
+def unsteady(parts: Parts, numbers: Numbers) -> set[str]:
     """Return the functions whose numbers could grow beyond all bounds in a short plan.
 
     These are multiplied with, or divided by, what changes; and what depends on them.
     """
-    multiplied = {name for name, value in _changes(actions, source) if _multiplies(value, numbers)}
-    return with_dependents(multiplied, actions, numbers, source)
+    multiplied = {name for name, value in changes(parts) if _multiplies(value, numbers)}
+    return with_dependents(multiplied, parts, numbers)
 
 
-def with_dependents(
-    names: Iterable[str], actions: Sequence[Action], numbers: Numbers, source: str
-) -> set[str]:
+def with_dependents(names: Iterable[str], parts: Parts, numbers: Numbers) -> set[str]:
     """Return functions with those whose numbers are changed by theirs."""
     found: set[str] = set(names)
-    changes = [(name, numbers.functions(value)) for name, value in _changes(actions, source)]
-    while more := {name for name, causes in changes if causes & found} - found:
+    moves = [(name, numbers.functions(value)) for name, value in changes(parts)]
+    while more := {name for name, causes in moves if causes & found} - found:
         found |= more
     return found
-
-
-def changed_function(change: Branch) -> str:
-    """Return the function that a change of a number is about, "" if it is about none."""
-    if change.head not in CHANGES or len(change) != 3:
-        return ''
-    return change[1].head if isinstance(change[1], Branch) else str(change[1])
-
-
-def _changes(actions: Sequence[Action], source: str) -> Iterator[tuple[str, Tree]]:
-    """Yield each function that actions change, and by what."""
-    for action in actions:
-        for effect in effects(action.parts.get(':effect'), source, action.durative):
-            if name := changed_function(effect.change):
-                yield name, effect.change[2]
 
 
 def _multiplies(tree: Tree, numbers: Numbers) -> bool:
