@@ -142,14 +142,15 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     written = Parts(domain, problem, fixed)
     numbers = numbers_of(written, declared)
     priced = _steady(with_costs(written, numbers, left_out), numbers, left_out)
+    functions = read_declarations(priced.domain, priced.problem).functions
+    declared = replace(declared, functions=functions)
+    durative = any(action.durative for action in actions)
+    timed = build_model(_lasting(priced, actions), declared, stop) if durative else None
     plannable = without_numbers(priced, numbers, left_out)
     planned = replace(plannable, actions=tuple(_at_once(plannable, declared, left_out)))
-    functions = read_declarations(priced.domain, priced.problem).functions
-    declared, timed, checked = replace(declared, functions=functions), None, priced
-    if any(action.durative for action in actions):
-        timed = build_model(_lasting(priced, actions), declared, stop)
-        declared, checked = read_declarations(planned.domain, planned.problem), planned
-    model = build_model(checked, declared, stop)
+    if durative:
+        declared = read_declarations(planned.domain, planned.problem)
+    model = build_model(planned if durative else priced, declared, stop)
     axioms = read_axioms(model, planned.domain, planned.problem)
     goal = planned.problem.contents(':goal')[0]
     _split_goals(model)
@@ -215,12 +216,11 @@ def _at_once(parts: Parts, declared: Declarations, left_out: LeftOut) -> Iterato
     """Yield the actions of a task so that they take no time."""
     source, derived = parts.domain.source, parts.domain.all(':derived')
     for action in parts.actions:
-        made, lost = (
-            at_once(action, declared, derived, source) if action.durative else (action, None)
-        )
-        if lost is not None:
-            left_out.note(DERIVED_LATER, source, lost)
-        yield made
+        if action.durative:
+            action, lost = at_once(action, declared, derived, source)
+            if lost is not None:
+                left_out.note(DERIVED_LATER, source, lost)
+        yield action
 
 
 def _as_required(domain: Definition) -> Definition:
