@@ -19,6 +19,7 @@ from mirror_explainer.node.robot_status import RobotStatus
 from mirror_explainer.node.stop_request import StopRequest
 from mirror_explainer.pddl import Task, require_definition
 from mirror_explainer.pddl.plan_text import read_plan
+from mirror_explainer.pddl.situation import Situation
 from mirror_explainer.pddl.task_reader import TaskReader
 from mirror_explainer.text_files import TextFiles
 
@@ -105,11 +106,7 @@ class InputReader:
         if inputs.plan:
             read_plan(inputs.plan.text, inputs.plan.source, inputs.limits)
         if inputs.user_model_file:
-            read_file = partial(self.files.read, limits=inputs.limits)
-            user_model = read_user_model(
-                inputs.user_model_file, read=read_file, limits=inputs.limits
-            )
-            self.phrases = user_model.phrases
+            self._user_model(inputs)
 
     def _prepare(self, inputs: Inputs, stop: StopRequest) -> Preparation:
         """Return what is known once all is read, without any planning.
@@ -117,28 +114,16 @@ class InputReader:
         As long as the robot does what its plan says, that is what was known before.
         """
         assert inputs.problem and inputs.plan  # nothing is missing
-        started = time.perf_counter()
-        limits, problem = inputs.limits, inputs.problem
-        read_file = partial(self.files.read, limits=limits)
+        started, limits = time.perf_counter(), inputs.limits
         domain = self._domain(inputs)
-        read = partial(self._read, domain, inputs, stop)
-        task = read(problem.text)
-
-        def user_model_for(task: Task) -> UserModel:
-            if inputs.user_model_file:
-                user_model = read_user_model(inputs.user_model_file, task, read_file, limits)
-            else:  # this listener knows the goal, but for how much of it the robot will do
-                user_model = UserModel((CandidateGoal(task.goal_text, task.goal_text, 1.0),))
-            self.phrases = user_model.phrases
-            return user_model
-
+        task = self._read(domain, inputs, stop, inputs.problem.text)
         before = self._prepared
         prior = before.preparation.prior if before else None
         heeded = (prior.facts, prior.common_parts) if prior else ()
         try:
             situation = self._robot.update(domain.text, inputs, task, *heeded)
         except InputError:
-            user_model_for(task)  # it has the words in which to tell of that
+            self._user_model(inputs, task)  # it has the words in which to tell of that
             raise
         stop.check()
         made_for = (
@@ -152,21 +137,39 @@ class InputReader:
         if before and before.made_for == made_for and self._same_files(before.files, limits):
             preparation = before.preparation
         else:
-            task = read(situation.problem)
-            seen = self._goals.before(situation, task.goal_text, limits)
-            user_model, plan = user_model_for(task), robot_plan_of(situation)
-            stop.check()
-            if user_model.goals_seen:
-                user_model = with_goals_seen(user_model, task, seen)
-            preparation = prepare(task, plan, user_model, inputs.planning)
-            warnings = ['' if inputs.user_model_file else _NO_USER_MODEL, self._goals.warning]
-            for warning in filter(None, warnings):
-                preparation = preparation.warned(warning)
+            task = self._read(domain, inputs, stop, situation.problem)
+            preparation = self._prepare_for(situation, task, inputs, stop)
             seconds = replace(preparation.seconds, read=time.perf_counter() - started)
             preparation = replace(preparation, seconds=seconds)
             self._prepared = _Prepared(made_for, self.files.revision, preparation)
         digest = self._as_read(inputs).digest
         return replace(preparation, situation=situation, inputs=digest)
+
+    def _prepare_for(
+        self, situation: Situation, task: Task, inputs: Inputs, stop: StopRequest
+    ) -> Preparation:
+        """Return what is known of an episode that is new, or read anew; `task` is as it began."""
+        seen = self._goals.before(situation, task.goal_text, inputs.limits)
+        user_model, plan = self._user_model(inputs, task), robot_plan_of(situation)
+        stop.check()
+        if user_model.goals_seen:
+            user_model = with_goals_seen(user_model, task, seen)
+        preparation = prepare(task, plan, user_model, inputs.planning)
+        warnings = ['' if inputs.user_model_file else _NO_USER_MODEL, self._goals.warning]
+        for warning in filter(None, warnings):
+            preparation = preparation.warned(warning)
+        return preparation
+
+    def _user_model(self, inputs: Inputs, task: Task | None = None) -> UserModel:
+        """Return the user model, checked against a task if one is given; keep its phrases."""
+        if task and not inputs.user_model_file:
+            # This listener knows the goal, but for how much of it the robot will do.
+            user_model = UserModel((CandidateGoal(task.goal_text, task.goal_text, 1.0),))
+        else:
+            read_file = partial(self.files.read, limits=inputs.limits)
+            user_model = read_user_model(inputs.user_model_file, task, read_file, inputs.limits)
+        self.phrases = user_model.phrases
+        return user_model
 
     def _same_files(self, revision: object, limits: InputLimits) -> bool:
         """Say whether the user model, with the files that it names, is as it was; look at them."""
