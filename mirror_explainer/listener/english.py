@@ -24,9 +24,14 @@ _AFTER_VERBS = word_set(
 # Words that have a capital only where all words of a name have one.
 _IN_TITLES = word_set('a an and at by for from in into of off on onto or out the to up with')
 # Where the library's word is rarer, or of another meaning.
-_PAST = {'get': 'got', 'lie': 'lain', 'light': 'lit'}
-# Verbs as well, but hardly as the first word of a task's name: "STATE_RETURN".
-_FIRST_NOUNS = word_set('state task')
+_PRESENT = {'glue': 'gluing', 'program': 'programming', 'tie': 'tying'}
+_PAST = {
+    'blend': 'blended', 'get': 'got', 'lean': 'leaned', 'lie': 'lain', 'light': 'lit',
+    'program': 'programmed', 'shrink': 'shrunk', 'spit': 'spat', 'strike': 'struck',
+    'wake': 'woken',
+}  # fmt: skip
+# Verbs as well, but hardly as the first word of a name: "STATE_RETURN", "tool-change".
+_FIRST_NOUNS = word_set('full object person self state station task tool')
 # So end verbs, also those that the library does not know: "palletize".
 _VERB_ENDING = re.compile(r'(?:ate|i[sz]e|ify)$')
 _PREFIXES = re.compile(r'(?:un|re|de|dis|pre|over|co|tele)-?(?=\w{4})')
@@ -42,6 +47,20 @@ def is_known(word: str) -> bool:
     return bool(_inflections(word))
 
 
+def is_first_noun(word: str) -> bool:
+    """Say whether a verb is hardly one as the first word of a name: "tool-change"."""
+    return word in _FIRST_NOUNS
+
+
+def is_participle(word: str) -> bool:
+    """Say whether this is a verb's regular past form and nothing else: "cooled", not "red"."""
+    if not word.endswith('ed') or is_known(word):
+        return False
+    from lemminflect import getAllLemmas
+
+    return bool(getAllLemmas(word).get('VERB'))
+
+
 def infinitive(gerund: str) -> str:
     """Return "gather" for "gathering", '' for what is no verb with "-ing"."""
     if not gerund.endswith('ing'):
@@ -55,7 +74,7 @@ def infinitive(gerund: str) -> str:
 @cache
 def present_participle(verb: str) -> str:
     """Return "grabbing" for "grab"."""
-    return _inflected(verb, 'VBG')
+    return _PRESENT.get(verb) or _inflected(verb, 'VBG')
 
 
 @cache

@@ -5,13 +5,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mirror_explainer.listener.english import word_set
-from mirror_explainer.listener.roles import Atom, Roles, words_in
+from mirror_explainer.listener.roles import HOLDING, Atom, Roles, words_in
 from mirror_explainer.listener.verb_phrase import PREPOSITIONS, VerbPhrase, verb_phrase
 
 # What is taken is told from where, not with which hand or into which pocket.
-_TAKING = word_set('pick grab grasp take get collect fetch lift')
+TAKING = word_set('pick grab grasp take get collect fetch lift')
 # What is done so to a liquid gets it into something, and it is no more what it was.
 DISPENSING = word_set('dispense inject squirt drip')
+_HELD = HOLDING | word_set('held carried grasped gripped')
+DOORS = word_set('door gate exit doorway window passage')
 _SOMEWHERE = PREPOSITIONS | word_set('stored lies located location loc position pos parked')
 
 
@@ -84,11 +86,56 @@ class Essentials:
                 later = [i for i, p in enumerate(things) if order(p) > order(named)]
                 things.insert(later[0] if later else len(things), named)
         # What was elsewhere before goes first, then what the verb names: "load truck", "fill cup".
+        things.sort(key=lambda p: (p not in self._shifted, p != self._named_first))
+        hands = self._hands(things)
+        tool = [self.tool] if self.tool and self.tool not in things else []
+        return tuple([p for p in things if p not in hands] + tool)
+
+    @cached_property
+    def tool(self) -> str:
+        """The parameter for what a thing is cleaned or cut with, if the name ends in "with"."""
+        unlike = {*self.silent, *self.origins, *self.roles.agents, self.aim}
+        unlike |= {p for atom in (*self.roles.made, *self.roles.undone) for p in atom.arguments}
+        if self.phrase.rest[-1:] != ('with',) or self.aim:
+            return ''
+        spare = (p for p in self.roles.parameters if p not in unlike and not self.is_place(p))
+        return next(spare, '')
+
+    @cached_property
+    def handled(self) -> frozenset[str]:
+        """The parameters for what is moved, taken or put down."""
+        taken = {a.arguments[0] for a in self.roles.made if self._is_held(a)}
+        return frozenset(self._shifted | taken)
+
+    @cached_property
+    def _shifted(self) -> set[str]:
+        """The parameters for what was elsewhere before, or in a hand."""
+        made, undone = self.roles.made, self.roles.undone
         least = 1 if self.phrase.verb in DISPENSING else 2
-        shifted = {a.arguments[0] for a in undone if len(a.arguments) >= least and not a.about_use}
-        shifted &= {p for atom in made if not atom.about_use for p in atom.arguments}
-        things.sort(key=lambda p: (p not in shifted, p != self._named_first))
-        return tuple(p for p in things if p not in self._hands(things))
+        shifted = {
+            a.arguments[0]
+            for a in undone
+            if not a.about_use and (len(a.arguments) >= least or self._is_held(a))
+        }
+        return shifted & {p for atom in made if not atom.about_use for p in atom.arguments}
+
+    @staticmethod
+    def _is_held(atom: Atom) -> bool:
+        return bool(atom.arguments) and not _HELD.isdisjoint(words_in(atom.predicate))
+
+    @property
+    def door(self) -> str:
+        """The parameter for a door on the way, '' if none is named."""
+        doors = (p for p in self.roles.parameters if p not in self.things and self.is_a(p, DOORS))
+        return next(doors, '') if self.aim else ''
+
+    def is_a(self, parameter: str, nouns: frozenset[str]) -> bool:
+        """Say whether a parameter is of a kind that has one of these words."""
+        return any(not nouns.isdisjoint(words_in(kind)) for kind in self.roles.kinds[parameter])
+
+    def is_place(self, parameter: str) -> bool:
+        """Say whether a parameter is of the kind of what something gets to."""
+        return not self.places.isdisjoint(self.roles.kinds[parameter])
 
     @property
     def _named_first(self) -> str:
@@ -104,7 +151,7 @@ class Essentials:
 
     def _hands(self, things: Sequence[str]) -> set[str]:
         """Return what a thing is only taken with, or into: it is free no more, or free again."""
-        if self.phrase.verb not in _TAKING and self.aim:
+        if self.phrase.verb not in TAKING and self.aim:
             return set()
         effects = (*self.roles.made, *self.roles.undone)
         used = self._in(atom for atom in effects if atom.about_use)
@@ -118,7 +165,7 @@ class Essentials:
             p
             for p in used
             if p not in {*things[:1], *self.nouns} and self.roles.kinds[p] not in kinds
-            if self.phrase.verb in _TAKING or p in holding
+            if self.phrase.verb in TAKING or p in holding
         }
 
     def source(self, direct: str) -> str:
@@ -133,9 +180,9 @@ class Essentials:
 
     def is_at(self, atom: Atom, parameter: str) -> bool:
         """Say whether an atom tells that something is at, on or in what a parameter stands for."""
-        kinds = self.roles.kinds[parameter]
         return not atom.about_use and (
-            not self.places.isdisjoint(kinds)
+            atom.owned
+            or self.is_place(parameter)
             or not _SOMEWHERE.isdisjoint(words_in(atom.predicate))
         )
 

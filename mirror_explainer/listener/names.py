@@ -5,14 +5,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from mirror_explainer.listener.english import is_known, word_set
-from mirror_explainer.listener.roles import words_in
+from mirror_explainer.listener.roles import MAYBE_NAMED, PEOPLE, words_in
 from mirror_explainer.pddl import Task
 
-_PEOPLE = word_set(
-    'person people human patient passenger customer guest user horse pony dog cat pet'
-)
-# Kinds of which some have names, and others are called what they are: "vinny", "the left crane".
-_MAYBE_NAMED = word_set('robot agent human nurse doctor child visitor resident')
 _NO_NAME = re.compile(r'.*(?:er|or|bot|arm)|agv|amr|uav|ugv')  # "gripper", which is no known word
 # Kinds of things that have names of their own.
 _NAMED = word_set('city town village country host server planet star')
@@ -72,10 +67,11 @@ class Name:
         word = self.words[0].lower()
         if len(self.words) > 1 or word in _ROLES:
             return False
-        if not kinds.isdisjoint(_PEOPLE):
+        if not kinds.isdisjoint(PEOPLE):
             return True
         is_word = is_known(word) or _NO_NAME.fullmatch(word)
-        return not kinds.isdisjoint(_MAYBE_NAMED) and not is_word
+        # Others are called what they are: "vinny", but "the left crane".
+        return not kinds.isdisjoint(MAYBE_NAMED) and not is_word
 
 
 def is_code(word: str) -> bool:

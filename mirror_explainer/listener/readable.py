@@ -9,15 +9,23 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from mirror_explainer.listener.english import infinitive, word_set
-from mirror_explainer.listener.essentials import DISPENSING, Essentials
+from mirror_explainer.listener.essentials import DISPENSING, DOORS, TAKING, Essentials
 from mirror_explainer.listener.names import VAGUE, is_code
-from mirror_explainer.listener.roles import Roles, place_kinds, words_in
+from mirror_explainer.listener.roles import (
+    AGENTS,
+    MAYBE_NAMED,
+    PEOPLE,
+    Roles,
+    place_kinds,
+    words_in,
+)
 from mirror_explainer.listener.verb_phrase import (
     DIRECTIONS,
     PARTICLES,
     PHASES,
     PREPOSITIONS,
     is_adverb,
+    tells_how,
     without_variant,
 )
 
@@ -28,21 +36,39 @@ _IN_FULL = {'pick': 'pick up', 'put': 'put down'}
 # Where the first object of these verbs gets to, if the effects do not tell.
 _TO = word_set(
     'deliver bring carry hand give send transport transfer attach connect fasten fit assign '
-    'show tell serve report move'
+    'show tell serve report move offer pass lend sell return'
 )
-_ONTO = word_set('screw mount bolt glue weld stack')
-_LOADING = DISPENSING | word_set('load insert pour pack stow store')
+# These are done to something somewhere.
+_BRINGING = word_set('deliver bring carry hand give send transport transfer return')
+_ONTO = word_set('screw mount bolt glue weld stack board embark')
+_KEEPING = word_set('stow store')
+_LOADING = DISPENSING | word_set('load insert pour pack')
 _INTO = _LOADING | word_set('put place fill drop')
+# What their object needs before it, where the name has no word for it: "look at", "wait for".
+_BEFORE_OBJECT = {
+    **dict.fromkeys(('look', 'stare', 'gaze', 'glance', 'point', 'aim', 'wave', 'smile'), 'at'),
+    **dict.fromkeys(('listen', 'talk', 'speak', 'apologize', 'respond', 'reply', 'attend'), 'to'),
+    **dict.fromkeys(('dock', 'arrive'), 'at'),
+    **dict.fromkeys(('wait', 'care'), 'for'),
+    **dict.fromkeys(('knock', 'sit', 'lean'), 'on'),
+    **dict.fromkeys(('interact', 'chat'), 'with'),
+}
+# Where these get to, one is "at": "dock at the charger".
+_ARRIVING = word_set('dock arrive park land stop wait stay ask charge recharge')
+# What is found out so is what something is looked at for: "test the sample for iron".
+_EXAMINING = word_set('measure test analyse analyze check examine inspect screen')
+_INSTRUMENTS = word_set(
+    'camera sensor lens tool device instrument machine scanner gripper probe meter arm'
+)
 # Verbs of moving something: "move-cart" moves what the cart is.
 _MOVING = word_set(
     'move drive fly sail push pull drag steer roll slide shift transfer bring carry'
 )
 # Verbs of going whose aim is their object: "enter the room".
 _AIMING = word_set(
-    'enter visit reach approach inspect climb cross leave exit explore search clean find'
+    'enter visit reach approach inspect climb cross leave exit explore search clean find patrol'
 )
 _THROUGH = word_set('exit leave enter pass')
-_DOORS = word_set('door gate exit doorway window passage')
 _PICTURES = word_set(
     'image picture photo photograph video scan measurement reading snapshot recording'
 )
@@ -53,9 +79,24 @@ _TO_WHERE = word_set('into onto from in on')
 _GENERIC = word_set(
     'room waypoint place location area zone position pose site point spot object item thing target'
 )
-_MANNERS = word_set('mode color colour style language')
+# Things are done in these.
+MANNERS = word_set('mode color colour style language')
+_SOMEBODY = PEOPLE | MAYBE_NAMED
+# What goes there is the robot: "move-base".
+_ITSELF = AGENTS | {'base'}
 _AS_IT_IS = PARTICLES | DIRECTIONS | {'and'}
-_PLACES = word_set('place location room site area zone city cell position')
+_ROOMS = word_set(
+    'room area zone city cell ward kitchen office lab laboratory hall corridor garage garden '
+    'field yard house building workshop town country'
+)
+_PLACES = _ROOMS | word_set('place location site position')
+# One serves something there, and to somebody.
+_TABLES = word_set('table seat desk bed bench counter')
+# What is put down, taken or brought is what the action's name calls it: "deliver-parcel".
+_HANDLING = (TAKING | _TO | _ONTO | _KEEPING | _INTO | word_set('release unload leave')) - {'fill'}
+_COPULAS = word_set('be stay remain become')
+# What is said without "the".
+_BARE = word_set('hello goodbye hi')
 
 
 @dataclass(frozen=True)
@@ -94,7 +135,13 @@ class Readables:
     @cached_property
     def _words(self) -> dict[str, tuple[str, ...]]:
         words = {name: words_in(self.spelling.get(name, name)) for name in self.roles}
-        return {name: without_variant(own, words.values()) for name, own in words.items()}
+
+        def alike(name: str) -> list[list[str]]:
+            made = [atom.predicate for atom in self.roles[name].made]
+            others = ((o, [a.predicate for a in role.made]) for o, role in self.roles.items())
+            return [words[other] for other, theirs in others if made == theirs]
+
+        return {n: without_variant(own, words.values(), alike(n)) for n, own in words.items()}
 
     def of(self, action: str, more: int = 0) -> Readable:
         """Return an action's sentence, with `more` parameters than its effects ask for."""
@@ -166,8 +213,7 @@ class _Maker:
         coming = start.next
         direct = '' if start.has_object or not objects else objects[0]
         if direct:
-            through = self.it.phrase.verb in _THROUGH and self._is(direct, _DOORS)
-            said[direct] = start.joined.get(direct, 'through' if through else '')
+            said[direct] = start.joined.get(direct, self._before(direct))
         others = [p for p in objects if p != direct]
         if not others and (source := self.it.source(direct)):
             said[source] = 'out of' if coming == 'out of' else 'from'
@@ -177,13 +223,28 @@ class _Maker:
             of = start.has_object and p == others[0]
             said[p] = given or (self._of(p) if of else self._joining(p, direct))
         if aim := self.it.aim:
-            itself = self.it.phrase.verb in _AIMING and not direct and not start.has_object
-            said[aim] = start.joined.get(aim) or coming or ('' if itself else 'to')
+            verb = self.it.phrase.verb
+            is_through = verb in ('pass', 'cross') or coming == 'through'
+            if is_through and not objects and not start.has_object and (door := self.it.door):
+                said[door], coming = 'through', ''
+            itself = verb in _AIMING and not said and not start.has_object
+            to = '' if itself else 'at' if verb in _ARRIVING else 'to'
+            said[aim] = start.joined.get(aim) or coming or to
         return self._between(said)
+
+    def _before(self, direct: str) -> str:
+        """Return the word before what the verb is done to, if the name does not have it."""
+        verb, rest = self.it.phrase.verb, self.it.phrase.rest
+        if verb in _THROUGH and self.it.is_a(direct, DOORS):
+            return 'through'
+        if rest[-1:] and rest[-1] in _BARE:
+            return 'to'
+        has_it = not (PREPOSITIONS | PARTICLES).isdisjoint(rest) or direct in self.it.roles.agents
+        return '' if has_it or self.it.aim else _BEFORE_OBJECT.get(verb, '')
 
     def _between(self, said: dict[str, str]) -> dict[str, str]:
         """Return what is said, where two places belong together "between" them: not at both."""
-        places = [p for p, word in said.items() if word == 'at']
+        places = [p for p, word in said.items() if word in ('at', 'in') and self._is_place(p)]
         related = (set(atom.arguments) for atom in self.it.roles.made)
         if len(places) == 2 and any(set(places) <= both for both in related):
             return said | dict(zip(places, ('between', 'and'), strict=True))
@@ -196,13 +257,18 @@ class _Maker:
             return _Start(['move'], {}, after=rest[0])
         stands_for = {noun: parameter for parameter, noun in self.it.nouns.items()}
         # Apples that the name tells of are picked from a tree: "pick-apples".
+        is_moved = verb in _MOVING and bool(self.it.aim)
+        is_handled = verb in _HANDLING and not is_moved
+        is_handled = is_handled and not self.it.handled.isdisjoint(objects[:1])
         picked = rest[:1] and rest[0] not in stands_for and not self._joins_or_is_generic(rest[0])
+        picked = picked and not is_handled
         bare = (
             'up' not in rest and not picked if verb == 'pick' else not rest and len(objects) == 1
         )
         words = [_IN_FULL.get(verb, verb) if bare else verb]
         joined: dict[str, str] = {}
-        coming, own, there = '', list[str](), list[str]()
+        coming, own, there, how = '', list[str](), list[str](), list[str]()
+        is_named = False  # otherwise: "deliver-parcel"
         for word, following in zip(rest, (*rest, '')[1:], strict=True):
             both = word in PREPOSITIONS and word in PARTICLES
             if (word, following) == ('out', 'of'):
@@ -214,23 +280,36 @@ class _Maker:
                     joined[stands_for[word]], coming = coming, ''
             elif word in PREPOSITIONS and (not both or len(objects) > 1 or self.it.nouns):
                 coming = word
+            elif is_named:
+                continue
+            elif not own and self._is_how(word, following):
+                (how if objects else words).append(word)
             elif not own and (self._is_plain(word) or words[-1] == 'and'):
                 words.append(word)
             elif word in _GENERIC and (objects or self.it.aim):
                 continue  # it is what the object is: "search-room"
+            elif is_handled and not coming and not there:
+                is_named = True
+            elif coming == 'to' and self.it.aim and not objects:
+                continue  # it is what the place is called: "return-to-base"
             elif word not in self.it.unsaid_nouns and following not in stands_for:
                 if objects and (there or (coming in _TO_WHERE and not own)):
                     there, coming = [*(there or [coming]), word], ''
                     continue
                 words += [coming] if coming else []
                 coming, own = '', [*own, word]
-        if len(own) == 1 and verb in _MOVING and self.it.aim and objects:
-            return _Start(words, joined, coming, names=own[0])
-        article = [_article(own[-1])] if own and verb != 'do' else []
+        if len(own) == 1 and verb in _MOVING and self.it.aim:
+            if objects:
+                return _Start(words, joined, coming, after=' '.join(how), names=own[0])
+            own = [] if own[0] in _ITSELF else own
+        article = [_article(own[-1])] if own else []
+        if verb == 'ask' and own and own[0] != 'question':
+            words.append('for')
         if coming and not own and len(objects) < 2 and not self.it.aim:
             words += [] if self.it.source(''.join(objects)) else [coming]
             coming = coming if coming == 'out of' else ''
-        after = ' '.join([there[0], _article(there[-1]), *there[1:]]) if there else ''
+        to_there = [there[0], _article(there[-1]), *there[1:]] if there else []
+        after = ' '.join([*how, *to_there])
         return _Start([*words, *article, *own], joined, coming, bool(own), after)
 
     def _joins_or_is_generic(self, word: str) -> bool:
@@ -239,14 +318,26 @@ class _Maker:
 
     def _is_plain(self, word: str) -> bool:
         """Say whether a word of the name is said without "the": "up", "slowly", "making"."""
+        verb = self.it.phrase.verb
         manner = word in _AS_IT_IS or is_adverb(word) or is_code(word)
-        return manner or bool(self.it.phrase.verb in PHASES and infinitive(word))
+        is_bare = word in _BARE or verb in _COPULAS
+        return manner or is_bare or bool(verb in PHASES and infinitive(word))
+
+    def _is_how(self, word: str, following: str) -> bool:
+        """Say whether a word of the name tells how, and not what the next word is like."""
+        stands_alone = following in PREPOSITIONS or not following or tells_how(following)
+        return tells_how(word) and stands_alone
 
     def _of(self, parameter: str) -> str:
         """Return what joins to "take the image", "sample the soil": of the moon, at the rock."""
+        verb = self.it.phrase.verb
+        if verb in _TO and self.it.is_a(parameter, _SOMEBODY):
+            return 'to'
         picture = not _PICTURES.isdisjoint(self.it.phrase.rest)
-        built = self.it.phrase.verb in _BUILDING and self._is(parameter, _PLACES)
-        return 'at' if built or (self._is_there(parameter) and not picture) else 'of'
+        built = verb in _BUILDING and self.it.is_a(parameter, _PLACES)
+        return (
+            self._at(parameter) if built or (self._is_there(parameter) and not picture) else 'of'
+        )
 
     def _joining(self, parameter: str, direct: str) -> str:
         """Return what joins another object to what was said."""
@@ -263,24 +354,37 @@ class _Maker:
             fits = not others or self.it.is_kind(parameter, at_end)
             relation = first if first in PREPOSITIONS and fits else at_end
             if relation in PREPOSITIONS:
+                if verb in _BRINGING and relation in ('at', 'in', 'on'):
+                    return 'to'
+                if relation in ('in', 'on') and self.it.is_a(parameter, _ROOMS):
+                    return 'in'
                 return 'into' if relation == 'in' and verb in _INTO else relation
-        if made and verb in _TO:
+        if made and verb == 'serve' and self._is_place(parameter, _TABLES):
+            return 'at'
+        if made and (verb in _TO or any(atom.owned for atom in together)):
             return 'to'
-        if together and verb in _ONTO | _LOADING:
-            return 'onto' if verb in _ONTO else 'into'
-        if self._is(parameter, _MANNERS):
+        if together and verb in _ONTO | _LOADING | _KEEPING:
+            return 'onto' if verb in _ONTO else 'in' if verb in _KEEPING else 'into'
+        if self.it.is_a(parameter, MANNERS):
             return 'in'
-        place = self._is_there(parameter) or self._is(parameter, _PLACES)
-        return 'at' if place else 'with'
+        if self._is_place(parameter):
+            return self._at(parameter)
+        kinds = self.it.roles.kinds
+        found_out = verb in _EXAMINING and not self.it.is_a(parameter, _INSTRUMENTS | AGENTS)
+        return 'for' if found_out and kinds[parameter] != kinds.get(direct) else 'with'
+
+    def _at(self, place: str) -> str:
+        """Return "in" for what one is inside of, such as a room, else "at"."""
+        return 'in' if self.it.is_a(place, _ROOMS) else 'at'
+
+    def _is_place(self, parameter: str, others: frozenset[str] = frozenset()) -> bool:
+        """Say whether a parameter is a place, or of a kind that has one of the other words."""
+        return self._is_there(parameter) or self.it.is_a(parameter, _PLACES | others)
 
     def _is_there(self, parameter: str) -> bool:
         """Say whether the robot must be at this place."""
         needed = (a for a in self.it.roles.needed if a.predicate in self.it.moving)
         return any(parameter in atom.arguments[-1:] for atom in needed)
-
-    def _is(self, parameter: str, nouns: frozenset[str]) -> bool:
-        kinds = self.it.roles.kinds[parameter]
-        return any(not nouns.isdisjoint(words_in(kind)) for kind in kinds)
 
 
 def _article(noun: str) -> str:

@@ -21,29 +21,38 @@ _AMOUNTS = word_set(
     'step percent int integer quantity'
 )
 # Predicates that name what holds a thing before the thing.
-_HOLDING = word_set('contains containing holding holds carrying carries lifting gripping grasping')
+HOLDING = word_set('contains containing holding holds carrying carries lifting gripping grasping')
 # Predicates that say whether a thing can be used, which no listener asks for.
 _USE = word_set(
     'free empty clear full available avail idle vacant busy occupied handempty handfree unused '
     'reserved'
 )
-_AGENTS = word_set('robot agent rover drone uav agv amr manipulator')
+AGENTS = word_set('robot bot agent rover drone uav agv amr manipulator')
+# Predicates of who has, or where there is, a thing, before the thing.
+_HAVING = word_set('has have having owns')
+# Kinds of people and animals, which have names, and such of which some have.
+PEOPLE = word_set(
+    'person people human patient passenger customer guest user horse pony dog cat pet'
+)
+MAYBE_NAMED = word_set('robot agent human nurse doctor child visitor resident')
 
 
 @dataclass(frozen=True)
 class Atom:
     """A predicate with an action's parameters; '' stands for an object.
 
-    What is somewhere goes before where it is: (holding ?hand ?cup) is turned around.
+    What is somewhere goes before where it is: (holding ?hand ?cup) is turned around, and so is
+    what somebody has, (has ?nurse ?cup): it is `owned`.
     """
 
     predicate: str
     arguments: tuple[str, ...]
+    owned: bool = False
 
     @cached_property
     def turned(self) -> bool:
         """Whether it says who holds, carries or contains something."""
-        return not _HOLDING.isdisjoint(words_in(self.predicate))
+        return not HOLDING.isdisjoint(words_in(self.predicate))
 
     @cached_property
     def about_use(self) -> bool:
@@ -84,7 +93,7 @@ class Roles:
     def moves(self) -> tuple['Move', ...]:
         """What changes its place: (at ?r ?a) is undone, and (at ?r ?b) made."""
         pairs = itertools.product(self.made, self.undone)
-        moves = (_move(made, undone) for made, undone in pairs if not made.about_use)
+        moves = (_move(m, undone) for m, undone in pairs if not (m.about_use or m.owned))
         return tuple(
             move
             for move in moves
@@ -123,9 +132,6 @@ def _roles(action: up.InstantaneousAction, static: set[str]) -> Roles:
         for literal in conjuncts(condition)
         if literal.is_fluent_exp()
     )
-    effects = [e for e in action.effects if e.fluent.type.is_bool_type() and e.is_assignment()]
-    made = tuple(_atom(e.fluent) for e in effects if e.value.is_true())
-    undone = tuple(a for e in effects if e.value.is_false() and (a := _atom(e.fluent)) not in made)
     kinds = {}
     for parameter in action.parameters:
         said_by = [
@@ -135,15 +141,42 @@ def _roles(action: up.InstantaneousAction, static: set[str]) -> Roles:
         ]
         types = [kind.name for kind in _with_types_above(parameter.type)]
         kinds[parameter.name] = tuple([kind for kind in types if kind != 'object'] + said_by)
+    effects = [e for e in action.effects if e.fluent.type.is_bool_type() and e.is_assignment()]
+    made = tuple(_atom(e.fluent) for e in effects if e.value.is_true())
+    undone = tuple(a for e in effects if e.value.is_false() and (a := _atom(e.fluent)) not in made)
+    made, undone = _owned(made, undone, kinds), _owned(undone, made, kinds)
     return Roles(action.name, kinds, needed, made, undone)
 
 
 def _atom(expression: up.FNode) -> Atom:
     name = expression.fluent().name
     arguments = [a.parameter().name if a.is_parameter_exp() else '' for a in expression.args]
-    if len(arguments) == 2 and not _HOLDING.isdisjoint(words_in(name)):
+    if len(arguments) == 2 and not HOLDING.isdisjoint(words_in(name)):
         arguments.reverse()
     return Atom(name, tuple(arguments))
+
+
+def _owned(
+    atoms: Iterable[Atom], others: Iterable[Atom], kinds: Mapping[str, tuple[str, ...]]
+) -> tuple[Atom, ...]:
+    """Return effects, in those of what somebody has the thing first.
+
+    Where the `others`, which are made so the other way, are of the same owner, it is what that is
+    like: (has ?robot ?colour).
+    """
+    likenesses = {(other.predicate, other.arguments[:1]) for other in others}
+
+    def is_owned(atom: Atom) -> bool:
+        if len(atom.arguments) != 2 or _HAVING.isdisjoint(words_in(atom.predicate)):
+            return False
+        words = {word for kind in kinds.get(atom.arguments[0], ()) for word in words_in(kind)}
+        is_somebody = not words.isdisjoint(PEOPLE | MAYBE_NAMED | AGENTS)
+        return is_somebody and (atom.predicate, atom.arguments[:1]) not in likenesses
+
+    return tuple(
+        Atom(atom.predicate, atom.arguments[::-1], owned=True) if is_owned(atom) else atom
+        for atom in atoms
+    )
 
 
 def _move(made: Atom, undone: Atom) -> Move | None:
@@ -178,7 +211,7 @@ def _acting_kinds(roles: Mapping[str, Roles]) -> set[str]:
         if argument not in ('', move.destination) and role.kinds[argument]
     }
     everywhere = {kind for kind, count in counts.items() if count == len(having) > 1}
-    robots = {kind for kind in counts if not _AGENTS.isdisjoint(words_in(kind))}
+    robots = {kind for kind in counts if not AGENTS.isdisjoint(words_in(kind))}
     return robots | (everywhere & moving) - place_kinds(roles.values())
 
 

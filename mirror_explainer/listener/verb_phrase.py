@@ -3,7 +3,14 @@
 from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass
 
-from mirror_explainer.listener.english import infinitive, is_known, is_verb, word_set
+from mirror_explainer.listener.english import (
+    infinitive,
+    is_first_noun,
+    is_known,
+    is_participle,
+    is_verb,
+    word_set,
+)
 
 PREPOSITIONS = word_set(
     'to into onto at from with toward towards through under in on by for behind near across '
@@ -13,8 +20,13 @@ PARTICLES = word_set('up down off over out away back together on in apart open s
 DIRECTIONS = word_set('home up down left right north south east west forward backward back')
 _ORDINALS = word_set('first second third fourth')
 _ADVERBS = _ORDINALS | word_set('last again now')
+_MANNERS = word_set('fast slow straight ahead upstairs downstairs')
+# What is done so is said as a noun: "do the quick scan", "do the self test".
+_SORTS = word_set('self auto emergency full quick deep final visual night safety')
 # Verbs that need not be said before another: "do-polish".
 DOING = word_set('do perform execute')
+_IN_FULL = {'nav': 'navigate', 'init': 'initialize'}
+_PREFIXES = word_set('re un pre de dis')
 # Verbs with "-ing" after them: "start-charging", unlike "floor-cleaning".
 PHASES = word_set('start stop begin end finish keep continue resume go')
 
@@ -29,9 +41,13 @@ class VerbPhrase:
 
 def verb_phrase(words: Sequence[str], nouns: Set[str]) -> VerbPhrase:
     """Find the verb in the words of an action's name; `nouns` stand for its parameters."""
-    first, *rest = [part for word in words for part in _split(word)]
-    if first in DOING and rest and is_verb(rest[0]):
+    first, *rest = [part for word in words for part in _split(_IN_FULL.get(word, word))]
+    if first in _PREFIXES and rest and is_verb(rest[0]):
+        first, rest = first + rest[0], rest[1:]
+    if first in DOING and rest and (is_verb(rest[0]) or rest[0] in _SORTS):
         first, *rest = rest
+    if first in _SORTS and rest:
+        return VerbPhrase('do', (first, *rest))
     if first in DIRECTIONS:
         return VerbPhrase('go', (first, *rest))
     if rest and first not in PHASES and (verb := infinitive(rest[-1])):
@@ -39,7 +55,8 @@ def verb_phrase(words: Sequence[str], nouns: Set[str]) -> VerbPhrase:
     # A verb behind the noun that it is about: "gripper-open". What follows a preposition is none.
     end = next((i for i, word in enumerate(rest) if word in PREPOSITIONS), len(rest))
     verbs = [i for i, w in enumerate(rest[:end]) if is_verb(w) and w not in nouns | PARTICLES]
-    if is_verb(first) and not (first in nouns and verbs):
+    is_noun = (first in nouns and verbs) or (is_first_noun(first) and rest)
+    if is_verb(first) and not is_noun:
         return VerbPhrase(first, tuple(rest))
     if verb := infinitive(first):
         return VerbPhrase(verb, tuple(rest))
@@ -56,11 +73,23 @@ def is_adverb(word: str) -> bool:
     return word in _ADVERBS or word.endswith('ly')
 
 
-def without_variant(words: Sequence[str], others: Iterable[Sequence[str]]) -> tuple[str, ...]:
+def tells_how(word: str) -> bool:
+    """Say whether this word of a name tells how something is moved or done: "fast", "cooled"."""
+    return word in _MANNERS or word.endswith('ly') or is_participle(word)
+
+
+def without_variant(
+    words: Sequence[str], others: Iterable[Sequence[str]], alike: Sequence[Sequence[str]] = ()
+) -> tuple[str, ...]:
     """Return an action's words without a number or letter that marks it as a variant of another.
 
-    `others` are the words of all actions: "load-first" and "load-second" are said alike.
+    `others` are the words of all actions: "load-first" and "load-second" are said alike. So are
+    those that bring about what an action that is `alike` does, and tell more of how:
+    "photograph-cooled", where there is "photograph".
     """
+    plain = tuple(word for word in words if not is_participle(word))
+    if len(plain) < len(words) and plain in set(map(tuple, alike)):
+        return plain
     same = {tuple(map(_unmarked, other)) for other in others if list(other) != list(words)}
     marked = [word for word in words[1:] if _unmarked(word) == '']
     if len(marked) == 1 and (

@@ -34,6 +34,12 @@ VERBS = {
     'undock': ('undocking', 'undocked'),
     'unstack': ('unstacking', 'unstacked'),
     'teleport': ('teleporting', 'teleported'),
+    'blend': ('blending', 'blended'),
+    'glue': ('gluing', 'glued'),
+    'tie': ('tying', 'tied'),
+    'wake': ('waking', 'woken'),
+    'strike': ('striking', 'struck'),
+    'program': ('programming', 'programmed'),
     're-charge': ('re-charging', 're-charged'),
 }
 

@@ -46,6 +46,7 @@ PREDICATES = (
     '(shown ?t - thing ?f - film) (greeted ?p - person) (given ?t - thing ?p - person)'
     '(passed ?g - gate) (seen ?r - room) (gate-open ?a ?b - room) (fed ?h - horse)'
     '(filled ?b - bay ?t - thing) (pressed ?t - thing) (met ?c - robot)'
+    '(has ?p - person ?t - thing) (in-there ?t - thing ?r - room) (aboard ?p - person ?g - gate)'
 )
 OBJECTS = (
     'big_hall cold-store - room level_0 - storey red_Mug tin7 - thing bay_1 - bay '
@@ -75,7 +76,7 @@ SPOKEN = [
     (
         action('dropOff', '?t - thing ?r - room', '(not (held ?t)) (on-shelf ?t ?r)', '(at ?r)'),
         'tin7 x',
-        'drop off tin7 at room x',
+        'drop off tin7 in room x',
     ),
     (
         action('take', '?t - thing ?b - bay', '(stored ?t ?b) (not (bay-free ?b))'),
@@ -98,7 +99,7 @@ SPOKEN = [
     (
         action('check_lights', '?r - room', '(seen ?r)', '(at ?r)'),
         'x',
-        'check the lights at room x',
+        'check the lights in room x',
     ),
     (action('greet', '?p - person', '(greeted ?p)'), 'ms_ito', 'greet Ms Ito'),
     (action('greet', '?p - person', '(greeted ?p)'), 'anna', 'greet anna'),
@@ -150,7 +151,7 @@ SPOKEN = [
     (
         action('pick-grapes', '?r - room', '(seen ?r)', '(at ?r)'),
         'big_hall',
-        'pick the grapes at the big hall',
+        'pick the grapes in the big hall',
     ),
     (action('greet', '?c - robot', '(met ?c)'), 'vinny', 'greet vinny'),
     (action('greet', '?c - robot', '(met ?c)'), 'gripper', 'greet the gripper'),
@@ -158,6 +159,108 @@ SPOKEN = [
     (action('wait-2', '', '(charged)'), '', 'wait 2'),
     (action('start-charging', '', '(charged)'), '', 'start charging'),
     (action('go_home', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'go home to the big hall'),
+    # What somebody has is given, and not they.
+    (
+        action('give', '?t - thing ?p - person', '(not (held ?t)) (has ?p ?t)'),
+        'tin7 anna',
+        'give tin7 to anna',
+    ),
+    (
+        action('take', '?t - thing ?p - person', '(held ?t) (not (has ?p ?t))'),
+        'tin7 anna',
+        'take tin7 from anna',
+    ),
+    (
+        action('switch', '?p - person ?t ?u - thing', '(has ?p ?u) (not (has ?p ?t))'),
+        'anna red_mug tin7',
+        'switch anna to tin7',
+    ),
+    # What the verb lacks before what it is done to.
+    (action('look', '?t - thing', '(held ?t)'), 'tin7', 'look at tin7'),
+    (action('look-for', '?t - thing', '(held ?t)'), 'tin7', 'look for tin7'),
+    (action('wait', '?p - person', '(greeted ?p)'), 'anna', 'wait for anna'),
+    (action('dock', '?b - bay', '(bay-free ?b)'), 'bay_1', 'dock at bay 1'),
+    (action('dock', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'dock at the big hall'),
+    # How, and not what.
+    (
+        action('drive_fast', '?a ?b - room', MOVE, '(at ?a)'),
+        'x big_hall',
+        'drive fast to the big hall',
+    ),
+    (
+        action('carry-slow', '?t - thing ?a ?b - room', '(not (on-shelf ?t ?a)) (on-shelf ?t ?b)'),
+        'tin7 x big_hall',
+        'carry tin7 slow to the big hall',
+    ),
+    (
+        action('show', '?t - thing ?f - film', '(shown ?t ?f)')
+        + action('show-heated', '?t - thing ?f - film', '(shown ?t ?f)'),
+        'red_mug colour',
+        'show the red Mug to the colour',
+    ),
+    (action('serve-chilled', '?t - thing', '(held ?t)'), 'tin7', 'serve tin7 chilled'),
+    # What the name calls the place, the thing or the robot is not said beside it.
+    (
+        action('return_to_base', '?a ?b - room', MOVE, '(at ?a)'),
+        'x big_hall',
+        'return to the big hall',
+    ),
+    (action('move_base', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'move to the big hall'),
+    (
+        action('deliver-big-parcel', '?t - thing ?r - room', '(not (held ?t)) (on-shelf ?t ?r)'),
+        'tin7 big_hall',
+        'deliver tin7 to the big hall',
+    ),
+    (
+        action('pick-cup', '?t - thing ?r - room', '(held ?t) (not (on-shelf ?t ?r))', '(at ?r)'),
+        'tin7 x',
+        'pick up tin7 from room x',
+    ),
+    # A door on the way is what one goes through, and not what is behind it.
+    (
+        action('go_through', '?g - gate ?a ?b - room', MOVE, '(at ?a) (passed ?g)'),
+        'east_gate x big_hall',
+        'go through the east gate to the big hall',
+    ),
+    (
+        action('clean_with', '?l - lamp ?t - thing ?r - room', '(lit ?l)', '(at ?r)'),
+        'desk_lamp tin7 x',
+        'clean the desk lamp with tin7',
+    ),
+    (
+        action('test', '?t - thing ?f - film', '(shown ?t ?f)'),
+        'tin7 colour',
+        'test tin7 for the colour',
+    ),
+    (
+        action('serve', '?t - thing ?p - person', '(given ?t ?p)'),
+        'tin7 anna',
+        'serve tin7 to anna',
+    ),
+    (
+        action('serve', '?t - thing ?r - room', '(on-shelf ?t ?r)'),
+        'tin7 big_hall',
+        'serve tin7 at the big hall',
+    ),
+    (
+        action('put', '?t - thing ?r - room', '(not (held ?t)) (in-there ?t ?r)', '(at ?r)'),
+        'tin7 big_hall',
+        'put tin7 in the big hall',
+    ),
+    (
+        action('board', '?p - person ?g - gate', '(aboard ?p ?g)'),
+        'anna east_gate',
+        'board anna onto the east gate',
+    ),
+    (action('self_test', '', '(charged)'), '', 'do the self test'),
+    (action('tool_change', '', '(charged)'), '', 'change the tool'),
+    (action('do-full-scan', '?r - room', '(seen ?r)', '(at ?r)'), 'x', 'do a full scan of room x'),
+    (action('object-detection', '', '(charged)'), '', 'do the object detection'),
+    (action('ask_charge', '', '(charged)'), '', 'ask for the charge'),
+    (action('say_hello', '?p - person', '(greeted ?p)'), 'anna', 'say hello to anna'),
+    (action('stay_idle', '', '(charged)'), '', 'stay idle'),
+    (action('re-localize', '', '(charged)'), '', 'relocalize'),
+    (action('nav', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'navigate to the big hall'),
 ]
 
 

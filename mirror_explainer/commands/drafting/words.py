@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from mirror_explainer.listener.goal_names import GoalNames
+from mirror_explainer.listener.readable import MANNERS
 from mirror_explainer.listener.sentences import DONE_TYPE, doings, sentences_for
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.listener.wording import Template, Wording, plain_name
@@ -39,6 +40,7 @@ def drafted_words(task: Task, plan: Sequence[str]) -> Words:
     objects = {
         name: ' '.join(known.words) if whole and DONE_TYPE in known.kinds else known.called()
         for name, known in default.names.items()
+        if MANNERS.isdisjoint(known.kinds)  # "in infrared", not "in the infrared"
     }
     if len(objects) > MOST_OBJECTS:
         used = {word for step in plan for word in words_of(step)[1:]}
