@@ -14,12 +14,23 @@ def word_set(words: str) -> frozenset[str]:
 
 
 _FUTURE = re.compile(r"\s*(I will|I'll)\s+", re.IGNORECASE)
+_SUBJECT = re.compile(r"\bI(?: (?:will|am|have|did|was|meant|cannot)|'(?:ll|m|ve))\b")
+_ARTICLE_LAST = re.compile(r'\b(the|an?)\s+$')
+_ARTICLE_FIRST = re.compile(
+    r'(?:the|an?|my|your|his|her|our|their)\s(?!(?:and|or)\b)', re.IGNORECASE
+)
+_AN = re.compile(r'(?!eu|one?\b|once|uni|us[aeu]|uti)[aeiou]|hour|honest|heir', re.IGNORECASE)
 _SUBJECTS = {'i will': ('I am', 'I have'), "i'll": ("I'm", "I've")}
 _ADVERBS = word_set('then now first next also again soon just still both finally')
 # What stands after a verb, and hardly after a noun that "and" adds to another.
 _AFTER_VERBS = word_set(
     'the a an it its them this that these those my your his her their our you me him us some '
     'any each every all up down off out back away over'
+)
+# Nouns as well, but hardly without an article after "and": "turn left and go on".
+_HARDLY_NOUNS = word_set(
+    'check clean close come do drive fly get go leave look make move open press put return start '
+    'stop turn wait walk wash'
 )
 # Words that have a capital only where all words of a name have one.
 _IN_TITLES = word_set('a an and at by for from in into of off on onto or out the to up with')
@@ -31,7 +42,7 @@ _PAST = {
     'wake': 'woken',
 }  # fmt: skip
 # Verbs as well, but hardly as the first word of a name: "STATE_RETURN", "tool-change".
-_FIRST_NOUNS = word_set('full object person self state station task tool')
+_FIRST_NOUNS = word_set('floor full object person room self state station task tool')
 # So end verbs, also those that the library does not know: "palletize".
 _VERB_ENDING = re.compile(r'(?:ate|i[sz]e|ify)$')
 _PREFIXES = re.compile(r'(?:un|re|de|dis|pre|over|co|tele)-?(?=\w{4})')
@@ -69,6 +80,26 @@ def infinitive(gerund: str) -> str:
 
     lemmas = [lemma for lemma in getAllLemmas(gerund).get('VERB', ()) if lemma != gerund]
     return lemmas[0] if lemmas else ''
+
+
+def has_subject(sentence: str) -> bool:
+    """Say whether this is an English sentence in which I do something."""
+    return bool(_SUBJECT.search(sentence))
+
+
+def before_name(text: str, name: str) -> str:
+    """Return English text before a name with the article that it wants: "an" before "egg".
+
+    A name with an article, "the cup", takes the place of one before it.
+    """
+    found = _ARTICLE_LAST.search(text)
+    if not found:
+        return text
+    if _ARTICLE_FIRST.match(name):
+        return text[: found.start()]
+    if found[1] == 'the':
+        return text
+    return f'{text[: found.start()]}{"an" if _AN.match(name) else "a"} '
 
 
 @cache
@@ -202,14 +233,16 @@ def _verbs_of(words: list[str]) -> list[int]:
         word, before = _bare(words[place]), place - 1
         while before > first and _is_adverb(words[before]):
             before -= 1
-        joined = words[before] in ('and', 'or') or (before < place - 1 and words[before] == 'then')
+        joined = words[before] in ('and', 'or') or words[place - 1] == 'then'
         listed = words[before].endswith(',')
         if not (joined or listed) or _is_adverb(words[place]) or not is_verb(word):
             continue
         following = words[place + 1] if place + 1 < len(words) else ''
         has_object = following.startswith('{') or following in _AFTER_VERBS
         follows_verb = len(verbs) > 1 or before - 1 in verbs
-        is_nothing_else = joined and not _inflections(word).keys() - {'VERB'}
+        is_nothing_else = joined and (
+            word in _HARDLY_NOUNS or not _inflections(word).keys() - {'VERB'}
+        )
         if (words[place] == word and has_object) or (joined and follows_verb) or is_nothing_else:
             verbs.append(place)
         elif joined:

@@ -13,7 +13,9 @@ from itertools import permutations
 from mirror_explainer.listener.distinct import more_parameters
 from mirror_explainer.listener.english import (
     as_verb_phrase,
+    before_name,
     begins_with_verb,
+    has_subject,
     omission,
     other_tenses,
     phrase_tenses,
@@ -47,7 +49,11 @@ class Said:
     @property
     def sentence(self) -> str:
         """The sentence, on one line."""
-        said = (text + (self.called[name] if name else '') for text, name in parts(self.text))
+        is_english = has_subject(self.text)
+        said = []
+        for text, name in parts(self.text):
+            called = self.called[name] if name else ''
+            said += [before_name(text, called) if is_english and called else text, called]
         return ' '.join(''.join(said).split())
 
 

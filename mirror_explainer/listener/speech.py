@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import groupby
 from types import MappingProxyType
 
-from mirror_explainer.listener.english import inability, intention
+from mirror_explainer.listener.english import before_name, inability, intention
 from mirror_explainer.listener.frame import ARTICLES, framed
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Said, Sentences
@@ -146,7 +146,7 @@ def _together(group: Sequence[Said], unsaid: Sequence[Said], phrases: Phrases) -
     before = next(text for text, place in parts(group[0].text) if place == parameter).split()
     article = f'{before[-1]} ' if before and before[-1] in ARTICLES else ''
     first, *following = [said.called[parameter] for said in group]
-    listed = [first, *(article + called for called in following)]
+    listed = [first, *(before_name(article, called) + called for called in following)]
     alike = (said for said in unsaid if _differing([*group, said]) == parameter)
     left = len({said.called[parameter] for said in alike})
     others = phrases.others if left > 1 else phrases.other if left else ''

@@ -4,6 +4,7 @@ import pytest
 
 from mirror_explainer.listener.english import (
     as_verb_phrase,
+    before_name,
     begins_with_verb,
     infinitive,
     is_verb,
@@ -69,6 +70,16 @@ def test_a_verb_is_said_while_it_is_done_and_afterwards(verb: str, forms: tuple[
             'I will fetch {i}, open {d} and leave.',
             'I am fetching {i}, opening {d} and leaving.',
             'I have fetched {i}, opened {d} and left.',
+        ),
+        (
+            'I will turn left and go on, then wait.',
+            'I am turning left and going on, then waiting.',
+            'I have turned left and gone on, then waited.',
+        ),
+        (
+            'I will photograph {i} then upload it.',
+            'I am photographing {i} then uploading it.',
+            'I have photographed {i} then uploaded it.',
         ),
         (
             'I will wait for the cup and the plate.',
@@ -159,3 +170,20 @@ def test_what_was_left_out_is_denied(future: str, left_out: str | None) -> None:
 )
 def test_a_phrase_may_begin_with_a_verb(phrase: str, is_one: bool) -> None:
     assert begins_with_verb(phrase) is is_one
+
+
+@pytest.mark.parametrize(
+    ('text', 'name', 'together'),
+    [
+        ('I will fry a ', 'egg', 'I will fry an egg'),
+        ('I will fry an ', 'pancake', 'I will fry a pancake'),
+        ('I will call a ', 'user', 'I will call a user'),
+        ('I will wait an ', 'hour', 'I will wait an hour'),
+        ('I will take the ', 'egg', 'I will take the egg'),
+        ('I will take the ', 'the red egg', 'I will take the red egg'),
+        ('I will take a ', 'my cup', 'I will take my cup'),
+        ('I will take ', 'the cup', 'I will take the cup'),
+    ],
+)
+def test_a_name_has_one_article_and_the_right_one(text: str, name: str, together: str) -> None:
+    assert before_name(text, name) + name == together

@@ -210,3 +210,17 @@ def test_a_list_of_tasks_that_differ_in_one_thing_says_where_it_is_not_whole() -
     left = ahead('(do boil_water)', '(do wash_the_pot)')
     assert spoken(TASKS, washing, left[:1]) == 'I will wash the cup and the pan.'
     assert spoken(TASKS, washing, left) == 'I will wash the cup, the pan and one more.'
+
+
+def test_an_article_before_a_name_fits_it_and_is_not_said_twice() -> None:
+    templates = {
+        'fry': Template(Wording('I will fry a {i}.')),
+        'ir': Template(Wording('Voy a {i}.')),
+    }
+    called = {'cup': 'the cup'}
+    said = Sentences({'fry': ('i',), 'ir': ('i',)}, templates, called)
+
+    assert spoken(said, ahead('(fry pancake)', '(fry egg)', '(fry cup)')) == (
+        'I will fry a pancake, an egg and the cup.'
+    )
+    assert spoken(said, ahead('(ir oficina)')) == 'Voy a oficina.'
