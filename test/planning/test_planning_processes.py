@@ -244,7 +244,7 @@ def test_the_workers_end_when_the_program_that_started_them_is_killed() -> None:
 def test_newer_input_is_answered_right_after_older_work_is_cancelled(planner: Planner) -> None:
     cancelled = threading.Event()
     asking = Asking(planner, HARD, cancelled)
-    time.sleep(0.3)
+    eventually(lambda: searches_of(child_sessions()), 'a search')
     cancelled.set()
     report = planner.plan(TOOLS, [Belief(0), Belief(0, TOOLS_SHARP)])
     asking.join(timeout=60.0)
