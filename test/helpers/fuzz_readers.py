@@ -3,7 +3,9 @@
 With real texts to begin with, and words that each format knows or should not take.
 """
 
+import re
 import unicodedata
+from collections.abc import Sequence
 from pathlib import Path
 
 from fuzzing import NOISE, damaged, require_told_well
@@ -21,9 +23,11 @@ from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.pddl import Task, goal_expression, read_task
 from mirror_explainer.pddl.plan_check import check_plan
 from mirror_explainer.pddl.plan_text import Step, read_plan, without_dummy
+from mirror_explainer.pddl.progress_text import read_progress
 from mirror_explainer.text_files import plain_text
 
 LIMITS = InputLimits()
+ATOM = re.compile(r'\([a-z-]+( [a-z_]+)*\)')
 UNSAYABLE = {'Cc', 'Zl', 'Zp'}  # control characters, and ends of lines
 
 LAMPS = """\
@@ -74,6 +78,14 @@ _PDDL_WORDS = """
     :requirements :contingent oneof ?l l1 lit (power) object number 0 -1 1e9999999 1.5 (:derived at
     start over all end #t ?duration total-cost total-time
 """
+PROGRESS = [
+    'done: (cut-slowly) ; at last\nrunning: (polish)\n',
+    'failed: (polish) because it broke',
+]
+_PROGRESS_WORDS = """
+    done: skipped: running failed: ahead because (polish) (cut-slowly) (cut-fast) ended: : ; ( )
+"""
+PROGRESS_WORDS = _PROGRESS_WORDS.split()
 PDDL_WORDS = [
     *_PDDL_WORDS.split(),
     *('- lamp', '(either lamp switch)', '(not (power))', '(at 5 (power))', '(/ 1 0)'),
@@ -115,7 +127,17 @@ _YAML_WORDS = """
 """
 YAML_WORDS = [
     *_YAML_WORDS.split(),
-    *('!!int ', '!!binary ', '!!set ', '!!python/object:os.system ', '%YAML 9.9', '<<: *a'),
+    *(
+        '!!int ',
+        '!!bool ',
+        '!!timestamp ',
+        '!!omap ',
+        '!!binary ',
+        '!!set ',
+        '!!python/object:os.system ',
+        '%YAML 9.9',
+        '<<: *a',
+    ),
     *('"\\e[31m"', '"\\ud800"', '"\\0"', '{a: {b: c}}', '- ', ': ', '9' * 400),
 ]
 
@@ -169,6 +191,28 @@ def try_task(domain: str, problem: str) -> bool:
     return True
 
 
+def try_progress(actions: Sequence[str], text: str) -> bool:
+    """Read progress in a plan and return whether it is taken; reasons are then of its steps."""
+    try:
+        progress = read_progress(text, 'progress').of(actions)
+    except InputError as error:
+        require_told_well(error, text)
+        return False
+    assert len(progress.steps) == len(actions)
+    assert {*progress.failed, *progress.reasons} <= {*range(len(actions))}
+    return True
+
+
+def try_goal(task: Task, goal: str) -> bool:
+    """Read a goal of a task and return whether it is taken."""
+    try:
+        goal_expression(task.model, goal)
+    except InputError as error:
+        require_told_well(error, goal)
+        return False
+    return True
+
+
 def try_user_model(warehouse: Task, folder: Path, text: bytes, hypotheses: bytes = b'') -> bool:
     """Read a user model of the warehouse, put into a folder, and return whether it is taken.
 
@@ -183,7 +227,13 @@ def try_user_model(warehouse: Task, folder: Path, text: bytes, hypotheses: bytes
     except InputError as error:
         require_told_well(error, text.decode('utf-8', 'replace'))
         return False
-    assert abs(sum(goal.probability for goal in model.goals) - 1.0) < 1e-6
+    for together in (
+        [goal.probability for goal in model.goals],
+        *(group.values() for group in model.one_of),
+    ):
+        assert abs(sum(together) - 1.0) < 1e-6
+    for facts in (model.uncertain_facts, *model.one_of):
+        assert all(ATOM.fullmatch(fact) and 0.0 <= p <= 1.0 for fact, p in facts.items())
     assert 0.0 < prior.covered_mass <= 1.0
     assert all(0.0 < probability <= 1.0 for probability in prior.probabilities)
     sentences = sentences_for(warehouse, model)

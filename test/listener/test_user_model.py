@@ -1,18 +1,14 @@
 """Reading user models, and telling all their faults at once."""
 
-import math
 import os
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.listener.phrases import Phrases
-from mirror_explainer.listener.user_model import UserModel, read_user_model
+from mirror_explainer.listener.user_model import read_user_model
 from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task
 
@@ -548,46 +544,6 @@ def test_aliases_that_would_explode_are_refused(read_model) -> None:
 
     with pytest.raises(InputError, match='line 6: its aliases stand for too much'):
         read_model(bomb + 'goals: *i\nsentences: *i\n')
-
-
-PIECES = st.sampled_from(
-    ['', ':', '- ', '\n', ' ', '  ', '{', '}', '[', ']', ',', '"', "'", '&a ', '*a', '!!int ']
-    + ['!!bool ', '!!timestamp ', '!!omap ', '? ', '| ', '<<: *a', '#', '%', '~', '.nan', '.inf']
-    + ['1e999', '-1', '2001-02-31', 'true', '{i}', '{i.x}', '()', '(and', '\x85', '\u2028', '=']
-) | st.text(max_size=4)
-ATOM = re.compile(r'\([a-z-]+( [a-z_]+)*\)')
-
-
-@settings(
-    max_examples=250,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
-@given(st.lists(st.tuples(st.integers(0, len(GOOD)), st.integers(0, 30), PIECES), max_size=3))
-def test_whatever_the_file_it_is_a_sound_model_or_one_input_error(
-    tmp_path: Path, task: Task, mutations: list[tuple[int, int, str]]
-) -> None:
-    text = GOOD
-    for start, length, piece in mutations:
-        text = text[:start] + piece + text[start + length :]
-    path = tmp_path / 'user.yaml'
-    path.write_text(text, encoding='utf-8', errors='replace')
-    try:
-        _check_sound(read_user_model(path, task))
-    except InputError as error:
-        assert len(str(error).splitlines()) == 1
-
-
-def _check_sound(model: UserModel) -> None:
-    assert math.isclose(sum(goal.probability for goal in model.goals), 1.0)
-    assert all(ATOM.fullmatch(fact) for fact in model.uncertain_facts)
-    assert all(0 <= p <= 1 for p in model.uncertain_facts.values())
-    for group in model.one_of:
-        assert math.isclose(sum(group.values()), 1.0)
-        assert all(ATOM.fullmatch(fact) for fact in group)
-    assert 0 <= model.rationality < math.inf
-    assert 0 <= model.unlisted_goal_probability < 1
 
 
 def test_sentences_in_tenses_types_and_phrases_are_read(read_model) -> None:

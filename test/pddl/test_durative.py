@@ -619,22 +619,6 @@ def test_a_compiled_action_does_what_the_durative_one_does_when_alone() -> None:
     assert compared > 300
 
 
-def test_whatever_is_cut_out_of_the_texts_only_input_errors_of_one_line_escape() -> None:
-    random = Random(3)
-    pieces = ['', '(', ')', '?duration', '(at start', '(at 5 (start at))', '#t', '(either robot)']
-    for _ in range(30):
-        texts = [DOMAIN, PROBLEM]
-        which = random.randint(0, 1)
-        place, length = random.randrange(len(texts[which])), random.choice([1, 5, 40])
-        texts[which] = (
-            texts[which][:place] + random.choice(pieces) + texts[which][place + length :]
-        )
-        try:
-            read_task(*texts)
-        except InputError as error:
-            assert len(str(error).splitlines()) == 1
-
-
 def random_literal(random: Random) -> tuple[str, bool]:
     return random.choice(['?x', '?y']), random.random() < 0.5
 

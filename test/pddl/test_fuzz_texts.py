@@ -12,13 +12,20 @@ from random import Random
 import pytest
 import yaml
 from fuzz_readers import (
+    HALL,
+    LAMPS,
     MODELS,
+    PDDL_WORDS,
     PLAN_WORDS,
     PLANS,
+    PROGRESS,
+    PROGRESS_WORDS,
     YAML_WORDS,
     damaged_pairs,
     plain_reading,
+    try_goal,
     try_plan,
+    try_progress,
     try_task,
     try_user_model,
 )
@@ -55,12 +62,25 @@ def tools() -> Task:
     return read_task(TOOLS_DOMAIN, TOOLS_PROBLEM)
 
 
+@pytest.fixture(scope='module')
+def lamps() -> Task:
+    return read_task(LAMPS, HALL)
+
+
 @fuzz
 @given(text=damaged(PLANS, PLAN_WORDS) | NOISE)
 def test_a_plan_text_is_refused_with_a_place_or_can_really_be_carried_out(
     tools: Task, watch: Watch, text: str
 ) -> None:
     watch.over(text, lambda: try_plan(tools, text))
+
+
+@fuzz
+@given(text=damaged(PROGRESS, PROGRESS_WORDS) | NOISE)
+def test_a_progress_text_is_refused_with_a_place_or_is_about_the_plan(
+    watch: Watch, text: str
+) -> None:
+    watch.over(text, lambda: try_progress(['(cut-slowly)', '(polish)', '(polish)'], text))
 
 
 # unified-planning's reader takes some hundredths of a second
@@ -70,6 +90,12 @@ def test_a_task_is_refused_with_a_place_or_is_what_unified_planning_reads(
     watch: Watch, texts: tuple[str, str]
 ) -> None:
     watch.over('\n'.join(texts), lambda: try_task(*texts))
+
+
+@fuzz
+@given(goal=damaged(['(and (power) (forall (?l - lamp) (imply (power) (lit ?l))))'], PDDL_WORDS))
+def test_a_goal_is_refused_or_taken(lamps: Task, watch: Watch, goal: str) -> None:
+    watch.over(goal, lambda: try_goal(lamps, goal))
 
 
 @fuzz

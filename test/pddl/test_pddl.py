@@ -3,8 +3,6 @@
 import re
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from unified_planning import environment
 
 from mirror_explainer.errors import InputError
@@ -413,58 +411,6 @@ def test_a_megabyte_of_noise_is_refused_at_once() -> None:
             read_task(noise, PROBLEM)
         with pytest.raises(InputError):
             read_task(DOMAIN, noise)
-
-
-# A mutation cuts a piece out, or puts something else in its place.
-PIECES = st.sampled_from(
-    [
-        '',
-        '(',
-        ')',
-        '?',
-        '-',
-        ':',
-        ';',
-        '\n',
-        ' ',
-        'and',
-        '(not',
-        '(:goal',
-        '(:init',
-        '0',
-        '(= 1 2)',
-    ]
-    + ['l1', '?l', '- lamp', '(power)', '\ufeff', '\0', 'é', '"', "'", '(either a b)', '(:types)']
-) | st.text(max_size=5)
-MUTATIONS = st.lists(st.tuples(st.integers(0, 400), st.integers(0, 40), PIECES), max_size=3)
-
-
-def mutated(text: str, mutations: list[tuple[int, int, str]]) -> str:
-    for start, length, piece in mutations:
-        start %= len(text) + 1
-        text = text[:start] + piece + text[start + length :]
-    return text
-
-
-@settings(
-    max_examples=60,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
-)
-@given(MUTATIONS, MUTATIONS, MUTATIONS)
-def test_whatever_the_texts_only_input_errors_of_one_line_escape(
-    of_domain: list, of_problem: list, of_goal: list
-) -> None:
-    domain, problem = mutated(DOMAIN, of_domain), mutated(PROBLEM, of_problem)
-    goal = mutated('(forall (?l - lamp) (imply (power) (lit ?l)))', of_goal)
-    try:
-        task = read_task(domain, problem)
-        assert task.goal_text.startswith('(')
-        assert all(fact.startswith('(') for fact in task.initial_facts)
-        goal_expression(task.model, goal)
-    except InputError as error:
-        assert len(str(error).splitlines()) == 1
 
 
 def test_expressions_are_kept_only_until_they_are_forgotten(warehouse, monkeypatch):

@@ -1,8 +1,6 @@
 """Reading plan texts, and checking them against the task."""
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from mirror_explainer.errors import InputError
 from mirror_explainer.explainer import robot_plan
@@ -282,35 +280,3 @@ def test_a_reach_goal_at_the_latest_time_is_trailing_wherever_it_stands(
     plan = robot_plan(task, '\n'.join(['10: (REACH-GOAL ) [1]', *reversed(lines)])).plan
 
     assert plan.actions == tuple(step.action for step in actions)
-
-
-GOOD_PLAN = '0.0: (move left center) [1.0]\n1: (recharge center)\n2: (move center left) ; back\n'
-PIECES = st.sampled_from(
-    ['', '(', ')', ':', ';', '\n', ' ', ',', '[', ']', 'plan:', 'SequentialPlan:', 'step ']
-    + ['0', '1e9', '1e999', '-', '.', '(define', '\ufeff', '\0', '\x85', '\u2028', 'left', '?x']
-) | st.text(max_size=6)
-
-
-@settings(max_examples=250, deadline=None, derandomize=True)
-@given(st.lists(st.tuples(st.integers(0, 100), st.integers(0, 20), PIECES), max_size=4))
-def test_whatever_the_text_only_input_errors_of_one_line_escape(
-    task: Task, mutations: list[tuple[int, int, str]]
-) -> None:
-    text = GOOD_PLAN
-    for start, length, piece in mutations:
-        text = text[:start] + piece + text[start + length :]
-    try:
-        assert check_plan(task, without_dummy(task, read_plan(text))).cost >= 0
-    except InputError as error:
-        assert len(str(error).splitlines()) == 1
-        assert error.line is None or 1 <= error.line <= len(text.splitlines())
-
-
-@settings(max_examples=200, deadline=None, derandomize=True)
-@given(st.text(max_size=60))
-def test_any_text_is_a_plan_or_an_input_error(text: str) -> None:
-    try:
-        for step in read_plan(text):
-            assert step.action == step.action.lower()
-    except InputError as error:
-        assert len(str(error).splitlines()) == 1
