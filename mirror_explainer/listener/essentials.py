@@ -5,11 +5,23 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from mirror_explainer.listener.english import word_set
-from mirror_explainer.listener.roles import HOLDING, Atom, Roles, words_in
+from mirror_explainer.listener.roles import (
+    HOLDING,
+    MAYBE_NAMED,
+    PEOPLE,
+    Atom,
+    Roles,
+    words_in,
+)
 from mirror_explainer.listener.verb_phrase import PREPOSITIONS, VerbPhrase, verb_phrase
 
 # What is taken is told from where, not with which hand or into which pocket.
 TAKING = word_set('pick grab grasp take get collect fetch lift')
+# Where the first object of these verbs gets to, if the effects do not tell.
+TO = word_set(
+    'deliver bring carry hand give send transport transfer attach connect fasten fit assign '
+    'show tell serve report move offer pass lend sell return'
+)
 # What is done so to a liquid gets it into something, and it is no more what it was.
 DISPENSING = word_set('dispense inject squirt drip')
 _HELD = HOLDING | word_set('held carried grasped gripped')
@@ -85,8 +97,13 @@ class Essentials:
             if named not in things and named != self.aim:
                 later = [i for i, p in enumerate(things) if order(p) > order(named)]
                 things.insert(later[0] if later else len(things), named)
-        # What was elsewhere before goes first, then what the verb names: "load truck", "fill cup".
-        things.sort(key=lambda p: (p not in self._shifted, p != self._named_first))
+        # What was elsewhere before goes first, then what the verb names: "load truck", "fill cup";
+        # but before all who it names that something is done to: "attend-person".
+        first = self._named_first
+        is_person = first and self.phrase.verb not in TO and self.is_a(first, PEOPLE | MAYBE_NAMED)
+        things.sort(
+            key=lambda p: (p != first if is_person else p not in self._shifted, p != first)
+        )
         hands = self._hands(things)
         tool = [self.tool] if self.tool and self.tool not in things else []
         return tuple([p for p in things if p not in hands] + tool)

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import unified_planning.model as up
 
+from mirror_explainer.listener.english import before_name
 from mirror_explainer.listener.sentences import Sentences
 from mirror_explainer.listener.verb_phrase import PREPOSITIONS
 from mirror_explainer.listener.wording import parts
@@ -62,7 +63,10 @@ class GoalNames:
             is_whole = named <= given.keys() and len(given) == len(objects)
             if is_own and is_whole and unnamed <= self._alone:
                 said = {name: self.called(action, given[name]) for name in named}
-                return ''.join(text + said.get(name, '') for text, name in parts(phrase))
+                return ''.join(
+                    before_name(text, said[name]) + said[name] if name else text
+                    for text, name in parts(phrase)
+                )
         return ''
 
     @cached_property

@@ -25,6 +25,8 @@ _ROLES = word_set(
     'person human man woman boy girl mare stallion foal puppy kitten'
 )
 
+_TITLES = word_set('mr mrs ms miss mister dr prof')
+
 
 @dataclass(frozen=True)
 class Name:
@@ -65,7 +67,10 @@ class Name:
         if not kinds.isdisjoint(_NAMED):
             return True
         word = self.words[0].lower()
-        if len(self.words) > 1 or word in _ROLES:
+        if len(self.words) > 1:
+            is_person = not kinds.isdisjoint(PEOPLE) and not is_known(word)
+            return word in _TITLES or is_person
+        if word in _ROLES:
             return False
         if not kinds.isdisjoint(PEOPLE):
             return True

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from mirror_explainer.listener.english import infinitive, word_set
-from mirror_explainer.listener.essentials import DISPENSING, DOORS, TAKING, Essentials
+from mirror_explainer.listener.essentials import DISPENSING, DOORS, TAKING, TO, Essentials
 from mirror_explainer.listener.names import VAGUE, is_code
 from mirror_explainer.listener.roles import (
     AGENTS,
@@ -25,6 +25,7 @@ from mirror_explainer.listener.verb_phrase import (
     PHASES,
     PREPOSITIONS,
     is_adverb,
+    parted,
     tells_how,
     without_variant,
 )
@@ -33,11 +34,6 @@ from mirror_explainer.listener.verb_phrase import (
 _MOST = 3
 # What a bare verb says in full.
 _IN_FULL = {'pick': 'pick up', 'put': 'put down'}
-# Where the first object of these verbs gets to, if the effects do not tell.
-_TO = word_set(
-    'deliver bring carry hand give send transport transfer attach connect fasten fit assign '
-    'show tell serve report move offer pass lend sell return'
-)
 # These are done to something somewhere.
 _BRINGING = word_set('deliver bring carry hand give send transport transfer return')
 _ONTO = word_set('screw mount bolt glue weld stack board embark')
@@ -93,7 +89,7 @@ _PLACES = _ROOMS | word_set('place location site position')
 # One serves something there, and to somebody.
 _TABLES = word_set('table seat desk bed bench counter')
 # What is put down, taken or brought is what the action's name calls it: "deliver-parcel".
-_HANDLING = (TAKING | _TO | _ONTO | _KEEPING | _INTO | word_set('release unload leave')) - {'fill'}
+_HANDLING = (TAKING | TO | _ONTO | _KEEPING | _INTO | word_set('release unload leave')) - {'fill'}
 _COPULAS = word_set('be stay remain become')
 # What is said without "the".
 _BARE = word_set('hello goodbye hi')
@@ -134,9 +130,9 @@ class Readables:
 
     @cached_property
     def _words(self) -> dict[str, tuple[str, ...]]:
-        words = {name: words_in(self.spelling.get(name, name)) for name in self.roles}
+        words = {name: parted(words_in(self.spelling.get(name, name))) for name in self.roles}
 
-        def alike(name: str) -> list[list[str]]:
+        def alike(name: str) -> list[tuple[str, ...]]:
             made = [atom.predicate for atom in self.roles[name].made]
             others = ((o, [a.predicate for a in role.made]) for o, role in self.roles.items())
             return [words[other] for other, theirs in others if made == theirs]
@@ -180,7 +176,10 @@ class _Maker:
     def readable(self, more: int) -> Readable:
         things = self.it.things
         agents = [p for p in things if p in self.it.roles.agents]
-        acting = agents if not self.it.aim and len(agents) < len(things) else []
+        # What robots bring somewhere gets there, rather than they.
+        brought = not self.it.handled.isdisjoint(p for p in things if p not in agents)
+        is_acting = (brought or not self.it.aim) and len(agents) < len(things)
+        acting = agents if is_acting else []
         objects = [p for p in things if p not in acting]
         start = self._start(objects)
         said = self._joined(objects, start)
@@ -288,6 +287,8 @@ class _Maker:
                 words.append(word)
             elif word in _GENERIC and (objects or self.it.aim):
                 continue  # it is what the object is: "search-room"
+            elif word in _SOMEBODY and objects and self.it.is_a(objects[0], _SOMEBODY):
+                continue
             elif is_handled and not coming and not there:
                 is_named = True
             elif coming == 'to' and self.it.aim and not objects:
@@ -331,7 +332,7 @@ class _Maker:
     def _of(self, parameter: str) -> str:
         """Return what joins to "take the image", "sample the soil": of the moon, at the rock."""
         verb = self.it.phrase.verb
-        if verb in _TO and self.it.is_a(parameter, _SOMEBODY):
+        if verb in TO and self.it.is_a(parameter, _SOMEBODY):
             return 'to'
         picture = not _PICTURES.isdisjoint(self.it.phrase.rest)
         built = verb in _BUILDING and self.it.is_a(parameter, _PLACES)
@@ -361,7 +362,7 @@ class _Maker:
                 return 'into' if relation == 'in' and verb in _INTO else relation
         if made and verb == 'serve' and self._is_place(parameter, _TABLES):
             return 'at'
-        if made and (verb in _TO or any(atom.owned for atom in together)):
+        if made and (verb in TO or any(atom.owned for atom in together)):
             return 'to'
         if together and verb in _ONTO | _LOADING | _KEEPING:
             return 'onto' if verb in _ONTO else 'in' if verb in _KEEPING else 'into'

@@ -78,6 +78,16 @@ def tells_how(word: str) -> bool:
     return word in _MANNERS or word.endswith('ly') or is_participle(word)
 
 
+def parted(words: Sequence[str]) -> tuple[str, ...]:
+    """Return the words of an action's name, of a first one such as "opendoor" both."""
+    word, *rest = words
+    if not (is_verb(word) or is_known(word) or infinitive(word)):
+        for end in range(len(word) - 3, 2, -1):
+            if is_verb(word[:end]) and is_known(word[end:]):
+                return (word[:end], word[end:], *rest)
+    return tuple(words)
+
+
 def without_variant(
     words: Sequence[str], others: Iterable[Sequence[str]], alike: Sequence[Sequence[str]] = ()
 ) -> tuple[str, ...]:

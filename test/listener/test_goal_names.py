@@ -12,7 +12,8 @@ DOMAIN = """
 (define (domain office)
   (:types robot room cup)
   (:predicates (in ?r - robot ?a - room) (clean ?c - cup) (holds ?r - robot ?c - cup)
-               (brought ?c - cup ?a - room) (night))
+               (brought ?c - cup ?a - room) (night) (shown ?c - cup))
+  (:action show :parameters (?c - cup) :effect (shown ?c))
   (:action go :parameters (?r - robot ?a ?b - room) :precondition (in ?r ?a)
     :effect (and (not (in ?r ?a)) (in ?r ?b)))
   (:action wash :parameters (?r - robot ?c - cup) :effect (and (clean ?c) (not (holds ?r ?c))))
@@ -20,6 +21,7 @@ DOMAIN = """
 """
 OWN = {
     'go': Template(Wording('I will visit the {b}.')),
+    'show': Template(Wording('I will show a {c}.')),
     'bring': Template(Wording('Ich bringe {c}.')),
 }
 
@@ -36,6 +38,8 @@ OWN = {
         (['(in robby hall)'], 'go to the hall', 'visit the hall'),
         # What is washed is in no hand any more, too: that is not what one would think of.
         (['(clean red_cup)', '(not (holds robby red_cup))'], '', ''),
+        (['(shown red_cup)'], 'show the red cup', 'show a red cup'),
+        (['(shown old_cup)'], 'show the old cup', 'show an old cup'),
         (['(night)'], '', ''),
         (['(or (in robby hall) (in robby lab))'], '', ''),
     ],
@@ -53,7 +57,7 @@ def test_of_two_robots_it_must_be_said_which_is_meant() -> None:
 def called(
     goal: list[str], templates: dict[str, Template] | None = None, robots: str = 'robby'
 ) -> str:
-    objects = f'{robots} - robot hall lab - room red_cup blue_cup - cup'
+    objects = f'{robots} - robot hall lab - room red_cup blue_cup old_cup - cup'
     problem = f'(define (problem p) (:domain office) (:objects {objects}) (:init) (:goal (night)))'
     task = read_task(DOMAIN, problem)
     sentences = sentences_for(task, UserModel((), templates=templates or {}))

@@ -50,7 +50,7 @@ PREDICATES = (
 )
 OBJECTS = (
     'big_hall cold-store - room level_0 - storey red_Mug tin7 - thing bay_1 - bay '
-    'desk_lamp - lamp full half - level Ms_Ito anna nurse - person colour - film '
+    'desk_lamp - lamp full half - level Ms_Ito anna nurse dr_who old_man - person colour - film '
     'east_gate - gate x - room bella - horse vinny gripper - robot'
 )
 MOVE = '(not (at ?a)) (at ?b)'
@@ -259,6 +259,16 @@ SPOKEN = [
     (action('ask_charge', '', '(charged)'), '', 'ask for the charge'),
     (action('say_hello', '?p - person', '(greeted ?p)'), 'anna', 'say hello to anna'),
     (action('stay_idle', '', '(charged)'), '', 'stay idle'),
+    # Who the name says that it is done to goes first, and is not called anything else.
+    (
+        action('attend-person', '?p - person ?t - thing', '(given ?t ?p) (not (held ?t))'),
+        'anna tin7',
+        'attend to anna with tin7',
+    ),
+    (action('inform_human', '?p - person', '(greeted ?p)'), 'dr_who', 'inform dr who'),
+    (action('greet', '?p - person', '(greeted ?p)'), 'old_man', 'greet the old man'),
+    (action('opengate', '?g - gate', '(passed ?g)'), 'east_gate', 'open the east gate'),
+    (action('askcharge', '', '(charged)'), '', 'ask for the charge'),
     (action('re-localize', '', '(charged)'), '', 'relocalize'),
     (action('nav', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'navigate to the big hall'),
 ]
@@ -375,6 +385,20 @@ def test_the_only_robot_is_i_and_one_of_several_is_named() -> None:
         'I will sample the dust at the rim using the scout.'
     )
     assert alone.of('(send-dust-data scout rim dish)') == 'I will send the dust data of the rim.'
+
+
+def test_what_one_of_several_robots_brings_gets_there_and_not_the_robot() -> None:
+    carry = action(
+        'carry',
+        '?c - robot ?t - thing ?a ?b - room',
+        '(not (robot-in ?c ?a)) (robot-in ?c ?b) (not (on-shelf ?t ?a)) (on-shelf ?t ?b)',
+    )
+    task = robot(carry, PREDICATES + '(robot-in ?c - robot ?r - room)', OBJECTS)
+    sentences = sentences_for(task, NO_TEMPLATES)
+
+    assert sentences.of('(carry vinny tin7 x big_hall)') == (
+        'I will carry tin7 to the big hall using vinny.'
+    )
 
 
 LIFTS = """
