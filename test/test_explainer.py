@@ -12,9 +12,9 @@ from mirror_explainer.errors import InputError, NoPlanError, PlanningError
 from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.listeners import PLANNER
+from mirror_explainer.listener.own_plan import plan_for_robot
 from mirror_explainer.listener.preparation import (
     Preparation,
-    plan_for_robot,
     prepare,
     refine,
 )

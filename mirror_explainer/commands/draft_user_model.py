@@ -25,7 +25,8 @@ from mirror_explainer.errors import InputError, PlanningError, some_of
 from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.goals_seen import read_goals_seen
-from mirror_explainer.listener.preparation import RobotPlan, plan_for_robot, prepare, refine
+from mirror_explainer.listener.own_plan import plan_for_robot
+from mirror_explainer.listener.preparation import RobotPlan, prepare, refine
 from mirror_explainer.listener.robot_tasks import DOMAIN, action_text, goal_text, problem_text
 from mirror_explainer.listener.user_model import CandidateGoal, UserModel, read_user_model
 from mirror_explainer.pddl import Task, read_task

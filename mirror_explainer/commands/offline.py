@@ -13,10 +13,10 @@ from mirror_explainer.errors import InputError, NoPlanError, PlanningError, told
 from mirror_explainer.explainer import EMPTY_PLAN, explain, robot_plan, robot_plan_of
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.mirror_model import MirrorModel
+from mirror_explainer.listener.own_plan import plan_for_robot
 from mirror_explainer.listener.preparation import (
     Preparation,
     RobotPlan,
-    plan_for_robot,
     prepare,
     refine,
 )

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 AHEAD, RUNNING, DONE, FAILED = 'ahead', 'running', 'done', 'failed'
+_FACT = re.compile(r'\(([^()]+)\)')
 
 
 @dataclass(frozen=True)
@@ -88,9 +89,6 @@ def goal_holds(problem: str) -> bool:
     wanted = _facts(goal)
     rest = _FACT.sub('', goal).replace('(', ' ').replace(')', ' ').lower().split()
     return bool(wanted) and set(rest) <= {'and'} and wanted <= _facts(problem.split(':goal')[0])
-
-
-_FACT = re.compile(r'\(([^()]+)\)')
 
 
 def _facts(text: str) -> set[tuple[str, ...]]:

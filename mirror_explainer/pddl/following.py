@@ -1,14 +1,18 @@
 """Whether a later state and plan go on with an episode, and how far the plan then is."""
 
-from collections.abc import Collection, Sequence
+from collections import deque
+from collections.abc import Collection, Iterator, Sequence
 
 from mirror_explainer.pddl.episode import Episode, goal_of, outcome
-from mirror_explainer.pddl.happenings import Happening, ground
+from mirror_explainer.pddl.happenings import GroundStep, Happening, ground
 from mirror_explainer.pddl.plan_check import tried
 from mirror_explainer.pddl.plan_text import Step
 from mirror_explainer.pddl.progress import Progress, StepStatus
 from mirror_explainer.pddl.states import ConflictError, Evaluator, State, UnknownNumberError
 from mirror_explainer.pddl.task import Task
+
+# With more robots than three or so not all orders are tried, only the next ones.
+_MOST_CUTS = 2000
 
 
 def follow(
@@ -106,23 +110,35 @@ def _out_of_step(
         return None  # no steps overlap
     matter = [a for a in (*episode.matters[0], *uncertain) if a not in state.numbers]
     wanted = [evaluator.value_of(atom, state) for atom in matter]
-    begun = episode.run.passed[0]
-    cuts: dict[frozenset[int], State] = {frozenset(): begun}
-    waiting, best = [frozenset[int]()], known
-    is_found = False
-    while waiting and len(cuts) < _MOST_CUTS:
-        cut = waiting.pop(0)
+    best: Progress | None = None
+    for cut, there in _cuts(episode, given, evaluator):
         progress = _cut(happenings, cut)
-        there = cuts[cut]
-        if progress.happened >= best.happened and wanted == [
-            evaluator.value_of(atom, there) for atom in matter
-        ]:
+        if progress.happened < (best or known).happened:
+            continue
+        if wanted == [evaluator.value_of(atom, there) for atom in matter]:
             rest = [h for k, h in enumerate(happenings) if k not in cut]
             going = progress.positions(StepStatus.RUNNING)
             if outcome(task, given, rest, state, evaluator, going):
-                best, is_found = progress, True
+                best = progress
+    return best
+
+
+def _cuts(
+    episode: Episode, steps: Sequence[GroundStep], evaluator: Evaluator
+) -> Iterator[tuple[frozenset[int], State]]:
+    """Yield which happenings may have happened, by their places, and the state then.
+
+    The fewest first, and not all of them where too many robots work.
+    """
+    happenings = episode.run.happenings
+    cuts = {frozenset[int](): episode.first}
+    waiting = deque(cuts)
+    while waiting and len(cuts) < _MOST_CUTS:
+        cut = waiting.popleft()
+        there, progress = cuts[cut], _cut(happenings, cut)
+        yield cut, there
         for k, happening in enumerate(happenings):
-            step = given[happening.step]
+            step = steps[happening.step]
             is_next = k not in cut and (
                 happening.starts or progress.steps[happening.step] is StepStatus.RUNNING
             )
@@ -136,11 +152,6 @@ def _out_of_step(
                 continue
             cuts[cut | {k}] = there.after(changes)
             waiting.append(cut | {k})
-    return best if is_found else None
-
-
-# With more robots than three or so not all orders are tried, only the next ones.
-_MOST_CUTS = 2000
 
 
 def _cut(happenings: Sequence[Happening], happened: Collection[int]) -> Progress:

@@ -1,7 +1,8 @@
 """What is known of a robot once all planning is done."""
 
 from mirror_explainer.explainer import robot_plan
-from mirror_explainer.listener.preparation import Preparation, plan_for_robot, prepare, refine
+from mirror_explainer.listener.own_plan import plan_for_robot
+from mirror_explainer.listener.preparation import Preparation, prepare, refine
 from mirror_explainer.listener.user_model import UserModel
 from mirror_explainer.pddl import Task
 from mirror_explainer.planning import Planner

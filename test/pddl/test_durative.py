@@ -12,9 +12,9 @@ from unified_planning.exceptions import UPInvalidActionError
 
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import explain, robot_plan
+from mirror_explainer.listener.own_plan import plan_for_robot
 from mirror_explainer.listener.preparation import (
     Preparation,
-    plan_for_robot,
     prepare,
     refine,
 )
