@@ -29,6 +29,12 @@ from mirror_explainer.web.operator.shown import percent
 
 # As they are spoken: two of the three in one breath.
 SENTENCES = ['I will grab a blue cube and a red circle.', 'I will exit from the bottom door.']
+# After another plan for the same, and of that plan.
+OTHER_SENTENCES = [
+    'I have changed my plan.',
+    'I will grab a red circle and a blue cube.',
+    'I will exit from the bottom door.',
+]
 _namespaces = (f'/page_{os.getpid()}_{number}' for number in itertools.count())
 
 
@@ -366,8 +372,8 @@ def test_a_display_asks_by_itself_and_shows_nothing_to_set(chromium, shared):
     shared.peer.set_parameters(n=3, strategy='informative', remember=False)
     with person(chromium) as page:
         page.goto(f'{shared.page.url}?display=on')
-        shared.peer.publish('plan', PLAN + '; for the display')
-        expect(answer(page)).to_have_text(SENTENCES)
+        shared.peer.publish('plan', OTHER_WAY)
+        expect(answer(page)).to_have_text(OTHER_SENTENCES)
         expect(page.locator('#said .old')).to_have_count(0)
         expect(page.locator('.status:visible')).to_have_count(0)  # while all is well
         expect(page.get_by_role('button')).to_have_count(0)
@@ -375,6 +381,7 @@ def test_a_display_asks_by_itself_and_shows_nothing_to_set(chromium, shared):
         assert overflow(page) <= 0
         assert violations(page) == []
         shared.peer.publish('plan', PLAN)
+        expect(answer(page)).to_have_text(['I have changed my plan.', *SENTENCES])
 
 
 @pytest.mark.parametrize('media', [{'color_scheme': 'dark'}, {'forced_colors': 'active'}])
