@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import mirror_explainer.selection.one_thread  # noqa: F401
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.offline import (
     add_file_arguments,
@@ -21,7 +22,7 @@ from mirror_explainer.commands.offline import (
     usual_rationality,
 )
 from mirror_explainer.commands.options import number
-from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
+from mirror_explainer.commands.terminal import tell, tell_error, tell_warning
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.listener.listeners import chosen
 from mirror_explainer.listener.mirror_model import MirrorModel

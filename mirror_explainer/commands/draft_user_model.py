@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 import mirror_explainer.selection.one_thread  # noqa: F401
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.commands.drafting.document import document
 from mirror_explainer.commands.drafting.facts import Doubts, doubts
 from mirror_explainer.commands.drafting.goals import Candidate, candidates
@@ -20,7 +21,7 @@ from mirror_explainer.commands.drafting.reach import within_reach
 from mirror_explainer.commands.drafting.words import drafted_names, drafted_words
 from mirror_explainer.commands.offline import usual_rationality
 from mirror_explainer.commands.options import add_settings, settings_from
-from mirror_explainer.commands.terminal import command_parser, tell, tell_error, tell_warning
+from mirror_explainer.commands.terminal import tell, tell_error, tell_warning
 from mirror_explainer.errors import InputError, PlanningError, some_of
 from mirror_explainer.explainer import explain, robot_plan
 from mirror_explainer.listener.explanation import Explanation

@@ -1,42 +1,11 @@
-"""How all commands speak: their help, and on a terminal, never in a pipe, in colour."""
+"""How all commands speak: on a terminal, never in a pipe, in colour."""
 
-import argparse
 import sys
-import textwrap
 from collections.abc import Iterable, Sequence
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import TextIO
 
 from mirror_explainer.errors import told
-
-_WIDTH = 79  # of the texts in a command's help
-
-
-def command_parser(
-    name: str,
-    description: str,
-    *examples: str,
-    ends: str = 'Exit status: 0, or 2 for bad input.',
-) -> argparse.ArgumentParser:
-    """Return a command's parser, which takes --version; its help ends with examples.
-
-    `ends` is what it says last.
-    """
-    shown = '\n'.join(f'  {example}' for example in examples)
-    parser = argparse.ArgumentParser(
-        prog=name,
-        description=textwrap.fill(description, _WIDTH),
-        epilog=f'examples:\n{shown}\n\n{textwrap.fill(ends, _WIDTH)}',
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,  # or a part of a name, mistyped, is taken for another option
-    )
-    try:
-        number = version('mirror_explainer')
-    except PackageNotFoundError:  # run from its sources
-        number = 'unknown'
-    parser.add_argument('--version', action='version', version=f'%(prog)s {number}')
-    return parser
 
 
 def tell(text: str, style: str = '') -> None:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import mirror_explainer.selection.one_thread  # noqa: F401
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.commands.in_words import in_words
 from mirror_explainer.commands.offline import (
     add_file_arguments,
@@ -18,7 +19,7 @@ from mirror_explainer.commands.offline import (
 )
 from mirror_explainer.commands.options import add_settings, settings_from, whole
 from mirror_explainer.commands.score import score_table, scores
-from mirror_explainer.commands.terminal import command_parser, tell, tell_error
+from mirror_explainer.commands.terminal import tell, tell_error
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.explainer import explain
 from mirror_explainer.listener.explanation import Explanation

@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
-from mirror_explainer.commands.terminal import command_parser
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.errors import InputError, told
 from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.run import run

@@ -16,7 +16,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from mirror_explainer.commands.terminal import command_parser
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.run import run
 from mirror_explainer.node.start import parsed

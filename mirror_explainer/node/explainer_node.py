@@ -24,6 +24,7 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.errors import with_cure
 from mirror_explainer.node.deliveries import Deliveries
 from mirror_explainer.node.diagnostic_message import diagnostic_array
@@ -40,7 +41,7 @@ from mirror_explainer.node.parameters import (
 from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.ros_log import RosLog
 from mirror_explainer.node.run import run
-from mirror_explainer.node.start import argument_parser, parsed
+from mirror_explainer.node.start import parsed
 from mirror_explainer.node.surroundings import Others
 
 VOLATILE = QoSProfile(depth=1)
@@ -229,7 +230,19 @@ class ExplainerNode(Node):
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the node until it is interrupted."""
-    parser = argument_parser()
+    command = 'ros2 run mirror_explainer explainer_node'
+    parser = command_parser(
+        'explainer_node',
+        'Say on request what the robot is up to, in the few most telling steps.',
+        f'{command} --log-level debug --ros-args -p user_model_file:=user_model.yaml',
+        ends='Parameters, remappings and the like follow --ros-args.',
+    )
+    parser.add_argument(
+        '--log-level',
+        type=str.lower,
+        choices=('debug', 'info', 'warn', 'error', 'fatal'),
+        help="log this node's own lines from this level up (default info)",
+    )
     options = parsed(parser, args)
 
     def make_node() -> ExplainerNode:

@@ -5,7 +5,6 @@ the states of its actions; the explainer hears all four as texts. The two need n
 order, and either may be started anew.
 """
 
-import argparse
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -16,6 +15,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from std_msgs.msg import Empty
 
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.node.plansys2_execution import (
     AHEAD,
     DONE,
@@ -30,7 +30,6 @@ from mirror_explainer.node.plansys2_messages import Messages, plansys2_messages
 from mirror_explainer.node.robot_topics import LATCHED, RobotTopics
 from mirror_explainer.node.run import run
 from mirror_explainer.node.start import parsed
-from mirror_explainer.node.surroundings import package_version
 
 MANY = QoSProfile(depth=1000)  # one message an action and second, all at once
 PERIOD = 0.1  # s between two looks at what is to be asked and told
@@ -276,13 +275,12 @@ class _Service:
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the bridge until it is interrupted."""
-    parser = argparse.ArgumentParser(
+    parser = command_parser(
         'plansys2_bridge',
-        description="Tell the explainer PlanSys2's domain, problem, plan and progress.",
-        epilog='example: ros2 run mirror_explainer plansys2_bridge --ros-args -r __ns:=/robot, '
-        'for the robot whose PlanSys2 runs in the namespace /robot.',
+        "Tell the explainer PlanSys2's domain, problem, plan and progress.",
+        'ros2 run mirror_explainer plansys2_bridge --ros-args -r __ns:=/robot',
+        ends='The example is for the robot whose PlanSys2 runs in the namespace /robot.',
     )
-    parser.add_argument('--version', action='version', version=f'%(prog)s {package_version()}')
     parsed(parser, args)
     run(lambda: Plansys2Bridge(plansys2_messages()), parser, args)
 

@@ -5,9 +5,8 @@ import os
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 
+from mirror_explainer.commands.command_line import package_version
 from mirror_explainer.node.memory import descendants, resident_memory
 
 
@@ -46,12 +45,3 @@ def look_around(files: Iterable[str], others: Others) -> Surroundings:
         with contextlib.suppress(OSError, ValueError):  # it is not there
             ages[file] = max(0.0, time.time() - os.stat(file).st_mtime)
     return Surroundings(resident_memory(node), planners, ages, others, package_version())
-
-
-@cache
-def package_version() -> str:
-    """Return the version of this package as installed."""
-    try:
-        return version('mirror_explainer')
-    except PackageNotFoundError:
-        return 'not installed'

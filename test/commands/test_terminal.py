@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from mirror_explainer.commands.terminal import command_parser
+from mirror_explainer.commands.command_line import command_parser
 
 pytest.importorskip('rich', reason='the extra [experiments] is not installed')
 

@@ -14,6 +14,7 @@ import pytest
 from conftest import WAREHOUSE
 from prepared import prepared as planned
 
+from mirror_explainer.commands.command_line import package_version
 from mirror_explainer.explainer import explain
 from mirror_explainer.listener.explanation import Explanation
 from mirror_explainer.listener.preparation import Preparation
@@ -23,7 +24,7 @@ from mirror_explainer.node.history import History, news
 from mirror_explainer.node.inputs import Inputs, Text
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.readiness import Phase, Readiness
-from mirror_explainer.node.surroundings import Others, Surroundings, look_around, package_version
+from mirror_explainer.node.surroundings import Others, Surroundings, look_around
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.situation import Statement, situation_of

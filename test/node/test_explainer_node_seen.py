@@ -25,8 +25,8 @@ from ros_peer import (
 )
 from std_msgs.msg import String
 
+from mirror_explainer.commands.command_line import package_version
 from mirror_explainer.node.explainer_node import main
-from mirror_explainer.node.surroundings import package_version
 
 pytestmark = pytest.mark.usefixtures('ros')
 

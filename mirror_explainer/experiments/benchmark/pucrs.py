@@ -17,9 +17,10 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.commands.terminal import tell_error
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.dataset import (
     Location,

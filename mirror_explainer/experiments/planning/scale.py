@@ -17,9 +17,10 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.commands.terminal import tell_error
 from mirror_explainer.errors import PlanningError
 from mirror_explainer.experiments.planning.cases import after_step, problem_of, running_planner
 from mirror_explainer.experiments.planning.plain_searches import (

@@ -15,9 +15,10 @@ from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.commands.extras import MissingExtras, require_extras
 from mirror_explainer.commands.options import number, whole
-from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.commands.terminal import tell_error
 from mirror_explainer.errors import InputError, PlanningError
 from mirror_explainer.experiments.benchmark.pucrs import ENVIRONMENT
 from mirror_explainer.experiments.understanding.judged import Judged, judgements, plan_task

@@ -26,8 +26,9 @@ from rclpy.task import Future
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from mirror_explainer.commands.command_line import command_parser
 from mirror_explainer.commands.extras import MissingExtras, require_extras
-from mirror_explainer.commands.terminal import command_parser, tell_error
+from mirror_explainer.commands.terminal import tell_error
 from mirror_explainer.errors import InputError
 from mirror_explainer.node.robot_topics import LATCHED
 from mirror_explainer.node.run import spin
