@@ -20,8 +20,9 @@ _SENTENCE = re.compile(r'I will (.+)\.')
 
 @dataclass(frozen=True)
 class GoalNames:
-    """Names goals by the sentences of actions; those of the robot's plan are asked first.
+    """Names goals by the sentences of actions.
 
+    What the robot's plan does goes first: a step that makes it so, then actions that it has.
     `called` returns what is said for an object in the sentence of an action.
     """
 
@@ -34,10 +35,10 @@ class GoalNames:
         """Return a name for a goal's parts, as PDDL: "feed the horse and rinse the pan".
 
         Variables in braces stay. '' where a part cannot be said so that each object is named
-        but those that are the only ones of their types.
+        but those that are the only ones of their types, and of a goal without parts.
         """
         phrases = [self._phrase(part) for part in goal]
-        if not all(phrases):
+        if not phrases or not all(phrases):
             return ''
         *first, last = phrases
         return f'{", ".join(first)} and {last}' if first else last
@@ -54,8 +55,12 @@ class GoalNames:
             return ''
         predicate, *objects = words_of(literal[2])
         kind = (predicate, not literal[1])
-        for action, phrase, arguments in self._phrases(*kind):
+        for action, phrase, arguments in sorted(
+            self._phrases(*kind), key=lambda by: not self._is_done(by[0], by[2], objects)
+        ):
             given = dict(zip(arguments, objects, strict=True))
+            if not self._fits(action, given):
+                continue
             form = re.sub(r'\{.*?\}', '{}', phrase)
             is_own = self._meant.setdefault(form, kind) == kind
             named = {name for _, name in parts(phrase) if name}
@@ -68,6 +73,45 @@ class GoalNames:
                     for text, name in parts(phrase)
                 )
         return ''
+
+    def _is_done(self, action: str, arguments: Sequence[str], objects: Sequence[str]) -> bool:
+        """Say whether a step of the plan is this action of these objects."""
+        names = self._parameters[action]
+        steps = (dict(zip(names, step, strict=True)) for step in self._steps.get(action, ()))
+        return any([step.get(name) for name in arguments] == [*objects] for step in steps)
+
+    @cached_property
+    def _parameters(self) -> dict[str, dict[str, up.Type]]:
+        """The types of parameters by their names, in order, by action."""
+        return {
+            action.name.lower(): {p.name.lower(): p.type for p in action.parameters}
+            for action in self._actions
+        }
+
+    @cached_property
+    def _steps(self) -> dict[str, list[list[str]]]:
+        """The arguments of the plan's steps, by action."""
+        steps: dict[str, list[list[str]]] = {}
+        for step in self.plan:
+            name, *arguments = words_of(step)
+            steps.setdefault(name, []).append(arguments)
+        return steps
+
+    def _fits(self, action: str, given: Mapping[str, str]) -> bool:
+        """Say whether an action takes these objects, or variables such as {cup2}."""
+        parameters = self._parameters[action]
+        kinds = {name: self._kinds.get(re.sub(r'\d*\}', '}', of)) for name, of in given.items()}
+        return all(
+            kind is None or name not in parameters or kind.is_compatible(parameters[name])
+            for name, kind in kinds.items()
+        )
+
+    @cached_property
+    def _kinds(self) -> dict[str, up.Type]:
+        """The types of objects, and of variables that are named by their types."""
+        model = self.task.model
+        objects = {item.name.lower(): item.type for item in model.all_objects}
+        return objects | {f'{{{kind.name.lower()}}}': kind for kind in model.user_types}
 
     @cached_property
     def _alone(self) -> frozenset[str]:

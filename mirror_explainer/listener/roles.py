@@ -20,6 +20,7 @@ _AMOUNTS = word_set(
     'level fuel battery energy power number num count counter amount capacity size time tick '
     'step percent int integer quantity'
 )
+_AMOUNT_ENDS = ('level', 'amount', 'capacity')  # "fuellevel"
 # Predicates that name what holds a thing before the thing.
 HOLDING = word_set('contains containing holding holds carrying carries lifting gripping grasping')
 # Predicates that say whether a thing can be used, which no listener asks for.
@@ -104,7 +105,8 @@ class Roles:
 
     def is_amount(self, parameter: str) -> bool:
         """Say whether a parameter is a number in disguise."""
-        return any(not _AMOUNTS.isdisjoint(words_in(kind)) for kind in self.kinds[parameter])
+        words = [word for kind in self.kinds[parameter] for word in words_in(kind)]
+        return any(word in _AMOUNTS or word.endswith(_AMOUNT_ENDS) for word in words)
 
 
 def roles_of(task: Task) -> dict[str, Roles]:

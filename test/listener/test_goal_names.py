@@ -41,6 +41,7 @@ OWN = {
         (['(shown red_cup)'], 'show the red cup', 'show a red cup'),
         (['(shown old_cup)'], 'show the old cup', 'show an old cup'),
         (['(night)'], '', ''),
+        ([], '', ''),
         (['(or (in robby hall) (in robby lab))'], '', ''),
     ],
 )
@@ -62,3 +63,40 @@ def called(
     task = read_task(DOMAIN, problem)
     sentences = sentences_for(task, UserModel((), templates=templates or {}))
     return goal_names(task, sentences, ()).of(goal)
+
+
+YARD = """
+(define (domain yard)
+  (:types place movable - object van parcel - movable)
+  (:predicates (at ?m - movable ?p - place) (in ?x - parcel ?v - van))
+  (:action drive :parameters (?v - van ?a ?b - place) :precondition (at ?v ?a)
+    :effect (and (not (at ?v ?a)) (at ?v ?b)))
+  (:action swap :parameters (?x ?y - parcel ?v - van ?p - place) :precondition (at ?v ?p)
+    :effect (and (at ?x ?p) (in ?y ?v)))
+  (:action unload :parameters (?x - parcel ?v - van ?p - place) :precondition (at ?v ?p)
+    :effect (and (at ?x ?p) (not (in ?x ?v)))))
+"""
+
+
+@pytest.mark.parametrize(
+    ('part', 'name'),
+    [
+        # What drives is a van, and the parcel is unloaded by a step of the plan.
+        ('(at p1 hall)', 'unload p1 at hall'),
+        ('(at {parcel2} {place})', 'swap {parcel2} at {place}'),
+        ('(at v1 hall)', 'drive to hall'),
+    ],
+)
+def test_a_goal_is_called_by_an_action_that_takes_such_objects(part: str, name: str) -> None:
+    objects = 'hall lab - place v1 - van p1 p2 - parcel'
+    problem = f'(define (problem p) (:domain yard) (:objects {objects}) (:init) (:goal (and)))'
+    task = read_task(YARD, problem)
+    templates = {
+        'drive': Template(Wording('I will drive to {b}.')),
+        'swap': Template(Wording('I will swap {x} at {p}.')),
+        'unload': Template(Wording('I will unload {x} at {p}.')),
+    }
+    plan = ['(swap p2 p1 v1 lab)', '(unload p1 v1 hall)']
+    names = goal_names(task, sentences_for(task, UserModel((), templates=templates)), plan)
+
+    assert names.of([part]) == name
