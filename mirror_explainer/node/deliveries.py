@@ -15,13 +15,13 @@ class Deliveries:
     def __init__(self) -> None:
         self._sent: defaultdict[str, deque[int]] = defaultdict(lambda: deque(maxlen=_REMEMBERED))
 
-    def is_second(self, topic: str, sent: int) -> bool:
-        """Say whether a message was delivered before; `sent` is its publisher's time, in ns.
+    def take(self, topic: str, sent: int) -> bool:
+        """Note a delivery, and say whether it counts; `sent` is its publisher's time, in ns.
 
-        Where a middleware tells no time (0), none was.
+        Where a middleware tells no time (0), each does.
         """
         before = self._sent[topic]
         if sent and sent in before and sent <= before[-1]:
-            return True
+            return False
         before.append(sent)
-        return False
+        return True

@@ -169,7 +169,7 @@ class ExplainerNode(Node):
 
     @_guarded
     def _hear(self, name: str, message: String, info: Mapping[str, int]) -> None:
-        if not self._deliveries.is_second(name, info['source_timestamp']):
+        if self._deliveries.take(name, info['source_timestamp']):
             self._explainer.hear(name, Text(message.data, self.resolve_topic_name(name)))
 
     @_guarded

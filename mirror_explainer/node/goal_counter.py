@@ -38,18 +38,18 @@ class GoalCounter:
         self._before: Mapping[str, int] = {}
         self._unwritten: Counter[str] = Counter()
 
-    def before(self, situation: Situation, goal: str, limits: InputLimits) -> Mapping[str, int]:
-        """Return how often the robot had each goal before its task, whose goal is counted now.
+    def count(self, situation: Situation, goal: str, limits: InputLimits) -> Mapping[str, int]:
+        """Count the goal of the robot's task, and return how often it had each goal before.
 
         Once an episode: asked again in the same, it returns the same.
         """
         if self._path and situation.number != self._episode:
             is_counted = situation.takes_up_goal and len(goal) <= _LONGEST_GOAL
-            self._before = self._counted(goal if is_counted else '', limits)
+            self._before = self._count_in_file(goal if is_counted else '', limits)
             self._episode = situation.number
         return self._before
 
-    def _counted(self, goal: str, limits: InputLimits) -> Mapping[str, int]:
+    def _count_in_file(self, goal: str, limits: InputLimits) -> Mapping[str, int]:
         """Count a goal, if one is given, and return what was counted before."""
         before = Counter(self._unwritten)
         now = datetime.now(UTC)

@@ -149,7 +149,7 @@ class InputReader:
         self, situation: Situation, task: Task, inputs: Inputs, stop: StopRequest
     ) -> Preparation:
         """Return what is known of an episode that is new, or read anew; `task` is as it began."""
-        seen = self._goals.before(situation, task.goal_text, inputs.limits)
+        seen = self._goals.count(situation, task.goal_text, inputs.limits)
         user_model, plan = self._user_model(inputs, task), robot_plan_of(situation)
         stop.check()
         if user_model.goals_seen:

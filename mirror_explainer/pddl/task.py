@@ -17,6 +17,7 @@ from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import atom_text, conjuncts
 from mirror_explainer.pddl.derived.axioms import Axioms, read_axioms
 from mirror_explainer.pddl.durative.at_once import at_once
+from mirror_explainer.pddl.durative.fixed import with_fixed_durations
 from mirror_explainer.pddl.durative.overlap import may_need_overlap
 from mirror_explainer.pddl.environment import use_task_environment
 from mirror_explainer.pddl.expressions import Expressions, nested_words
@@ -26,13 +27,13 @@ from mirror_explainer.pddl.numbers.costs import with_costs
 from mirror_explainer.pddl.numbers.plannable import (
     unsteady,
     with_dependents,
-    with_fixed_durations,
     without_numbers,
 )
 from mirror_explainer.pddl.text.actions import Action, Parts, read_actions
 from mirror_explainer.pddl.text.by_itself import facts_to_come
 from mirror_explainer.pddl.text.declarations import Declarations, read_declarations
 from mirror_explainer.pddl.text.definition import Definition, read_definition, require_head
+from mirror_explainer.pddl.text.for_planners import texts_for_planners
 from mirror_explainer.pddl.text.left_out import (
     DERIVED_LATER,
     NUMBERS,
@@ -41,11 +42,9 @@ from mirror_explainer.pddl.text.left_out import (
     LeftOut,
     without_extras,
 )
-from mirror_explainer.pddl.text.plain_types import with_actions, with_plain_types
+from mirror_explainer.pddl.text.plain_types import with_plain_types
 from mirror_explainer.pddl.text.size import require_few
-from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, made, parse, word
-
-_NUMBER = 'number'
+from mirror_explainer.pddl.text.tree import as_text, parse
 
 
 @dataclass(frozen=True)
@@ -158,7 +157,7 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     if NUMBERS in left_out.places:
         goals = tuple(conjuncts(Expressions(model).expression(goal, {})))
     return Task(
-        *_texts(planned, declared),
+        *texts_for_planners(planned, declared),
         model,
         as_text(goal),
         goals,
@@ -194,14 +193,6 @@ def _lasting(parts: Parts, written: Sequence[Action]) -> Parts:
     return replace(parts, actions=tuple(lasting))
 
 
-def _texts(parts: Parts, declared: Declarations) -> tuple[str, str]:
-    """Return a task's domain and problem as planners take them."""
-    domain, problem = with_actions(_as_required(parts.domain), parts.actions), parts.problem
-    if _NUMBER in declared.types:  # Fast Downward wants that name for itself
-        domain, problem = _renamed(domain, declared), _renamed(problem, declared)
-    return domain.text(), problem.without(':requirements').text()
-
-
 def _fixed(action: Action, source: str, left_out: LeftOut) -> Action:
     """Return an action that takes a certain time, if it takes any."""
     if not action.durative:
@@ -221,38 +212,6 @@ def _at_once(parts: Parts, declared: Declarations, left_out: LeftOut) -> Iterato
             if lost is not None:
                 left_out.note(DERIVED_LATER, source, lost)
         yield action
-
-
-def _as_required(domain: Definition) -> Definition:
-    """Return the domain with the requirements that what is left of it may have."""
-    place = domain.section(':requirements') or Branch((), domain.line)
-    return domain.having(
-        ':requirements', made('(:requirements :adl :derived-predicates :action-costs)', place)
-    )
-
-
-def _renamed(definition: Definition, declared: Declarations) -> Definition:
-    """Return a definition that calls the type "number" by another name."""
-    name = 'a-number'
-    while name in declared.types:
-        name += '-'
-
-    def renamed(tree: Branch, everywhere: bool = False) -> Branch:
-        parts: list[Tree] = []
-        for before, part in zip([None, *tree], tree, strict=False):
-            is_type = part == _NUMBER and (everywhere or before == '-')
-            other = part if isinstance(part, Word) else renamed(part)
-            parts.append(word(name, part) if is_type else other)
-        return tree.like(parts)
-
-    for keyword, sections in definition.sections.items():
-        if keyword == ':functions':  # these are numbers indeed
-            parts = (tuple(p if isinstance(p, Word) else renamed(p) for p in s) for s in sections)
-            changed = [s.like(p) for s, p in zip(sections, parts, strict=True)]
-        else:
-            changed = [renamed(section, keyword == ':types') for section in sections]
-        definition = definition.having(keyword, *changed)
-    return definition
 
 
 def _split_goals(model: up.Problem) -> None:

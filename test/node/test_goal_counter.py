@@ -35,7 +35,7 @@ def episode(number: int, reason: str = FIRST) -> Situation:
 def counts(counter: GoalCounter, *goals: str, begin: int = 1) -> list[dict[str, int]]:
     """Count goals, one an episode; return what was counted before each."""
     return [
-        dict(counter.before(episode(number), goal, LIMITS))
+        dict(counter.count(episode(number), goal, LIMITS))
         for number, goal in enumerate(goals, start=begin)
     ]
 
@@ -45,7 +45,7 @@ def test_each_task_counts_once_and_is_not_among_those_before_it(tmp_path: Path):
     counter = GoalCounter(str(file))
 
     found = counts(counter, '(a)', '(b)', '(a)')
-    again = counter.before(episode(3), '(a)', LIMITS)
+    again = counter.count(episode(3), '(a)', LIMITS)
 
     assert found == [{}, {'(a)': 1}, {'(a)': 1, '(b)': 1}]
     assert again == found[-1]
@@ -56,7 +56,7 @@ def test_a_goal_that_was_not_reached_yet_does_not_count_again(tmp_path: Path):
     counter = GoalCounter(str(tmp_path / 'seen.yaml'))
     counts(counter, '(a)')
     for number, reason in enumerate((REPLANNED, RESTARTED, RESUMED), start=2):
-        counter.before(episode(number, reason), '(a)', LIMITS)
+        counter.count(episode(number, reason), '(a)', LIMITS)
     assert read_goals_seen(str(tmp_path / 'seen.yaml')).counts == {'(a)': 1}
 
 

@@ -20,7 +20,6 @@ from mirror_explainer.pddl.text.actions import (
     Action,
     Effect,
     Parts,
-    duration_bounds,
     effects,
     timed_conditions,
     variables_of,
@@ -28,7 +27,7 @@ from mirror_explainer.pddl.text.actions import (
 from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
 from mirror_explainer.pddl.text.left_out import NUMBERS, LeftOut
-from mirror_explainer.pddl.text.tree import Branch, Tree, Word, has_word, made, word, words
+from mirror_explainer.pddl.text.tree import Branch, Tree, Word, made, word, words
 
 # A fact that stands for a condition on numbers, by its predicate.
 _FACT = 'numbers-fit'
@@ -287,33 +286,3 @@ def _multiplies(tree: Tree, numbers: Numbers) -> bool:
         if sum(moving) > 1 or (tree.head == '/' and any(moving[1:])):
             return True
     return any(_multiplies(part, numbers) for part in tree[1:])
-
-
-def with_fixed_durations(action: Action, source: str) -> tuple[Action, bool]:
-    """Return a durative action that takes the least it can, and whether it could take more.
-
-    What its effects say of ?duration says so of that number.
-    """
-    least, most = duration_bounds(action, source)
-    fixed = least if least is not None else most
-    assert fixed is not None
-    place = action.parts[':duration']
-    duration = Branch(
-        [word('=', place), word('?duration', place), fixed], place.line, place.column
-    )
-    action = action.having(duration=duration)
-    changes = [*effects(action.parts.get(':effect'), source, True)]
-    if any(has_word('?duration', change.change) for change in changes):
-        action = with_effects(action, [_timed(change, fixed) for change in changes])
-    return action, least is not most
-
-
-def _timed(effect: Effect, duration: Tree) -> Effect:
-    def replaced(tree: Tree) -> Tree:
-        if isinstance(tree, Word):
-            return duration if tree == '?duration' else tree
-        return tree.like(replaced(part) for part in tree)
-
-    change = replaced(effect.change)
-    assert isinstance(change, Branch)
-    return replace(effect, change=change)
