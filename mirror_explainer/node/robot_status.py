@@ -61,7 +61,9 @@ class RobotStatus:
         steps = without_dummy(task, read_plan(plan.text, plan.source, inputs.limits))
         stated = Statement(domain, problem.text, task, steps, plan.source, inputs.limits)
         progress = inputs.progress if inputs.progress is not self._stale else None
-        text = read_progress(progress.text, progress.source) if progress else None
+        text = None
+        if progress:
+            text = read_progress(progress.text, progress.source, inputs.limits)
         if text and not (inputs.is_progress_old or self._is_of_plan_before(inputs, text, stated)):
             stated = replace(stated, progress=text)
         is_told = bool(text or (before and before.told))

@@ -1,11 +1,12 @@
 """Progress texts in: how far a robot says that it is with its plan, one step a line."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from mirror_explainer.errors import InputError, did_you_mean, one_line
+from mirror_explainer.input_limits import InputLimits
 from mirror_explainer.pddl.atoms import ground_text
 from mirror_explainer.pddl.progress import Progress, StepStatus
 from mirror_explainer.text_files import plain_text
@@ -22,23 +23,24 @@ _FORM = 'Write one step a line, as in "done: (move a b)", with done, skipped, ru
 
 
 class _Line(NamedTuple):
-    """What a line, counted from 1, says of an action; `reason` is '' if it gives none.
-
-    A line that is no progress has the status '', and stands as the action.
-    """
+    """What a line, counted from 1, says of an action; `reason` is '' if it gives none."""
 
     number: int
     status: str
     action: str
-    reason: str = ''
+    reason: str
 
 
 @dataclass(frozen=True)
 class ProgressText:
-    """What a robot tells of its progress, from `source`, whichever plan it is about."""
+    """What a robot tells of its progress, from `source`, whichever plan it is about.
+
+    `fault` is what is wrong behind these lines, None if nothing is.
+    """
 
     source: str
     lines: tuple[_Line, ...]
+    fault: InputError | None = None
 
     def of(self, actions: Sequence[str]) -> Progress:
         """Return the progress of the plan with these actions.
@@ -52,12 +54,11 @@ class ProgressText:
             places.setdefault(action, []).append(position)
         named: dict[str, list[_Line]] = {action: [] for action in places}
         for line in self.lines:
-            if not line.status:
-                raise self._fault(f'this is no progress: "{line.action[:80]}"', line)
             if line.action not in places:
-                raise self._fault(
+                raise InputError(
+                    self.source,
                     f'{line.action} is no step of the plan{did_you_mean(line.action, places)}',
-                    line,
+                    line.number,
                     cure='Publish the plan first, and name its steps as they stand there.',
                 )
             named[line.action].append(line)
@@ -65,7 +66,9 @@ class ProgressText:
             if len(named[line.action]) > count:
                 times = 'once' if count == 1 else f'{count} times'
                 fault = f'{line.action} is in the plan {times}, and is named here once more'
-                raise self._fault(fault, line)
+                raise InputError(self.source, fault, line.number, cure=_FORM)
+        if self.fault:
+            raise self.fault
         steps = [StepStatus.AHEAD] * len(actions)
         failed, reasons = [], {}
         for action, told in named.items():
@@ -87,30 +90,32 @@ class ProgressText:
             return False
         return True
 
-    def _fault(self, reason: str, line: _Line, cure: str = _FORM) -> InputError:
-        return InputError(self.source, reason, line.number, cure=cure)
 
-
-def read_progress(text: str, source: str = 'progress') -> ProgressText:
+def read_progress(
+    text: str, source: str = 'progress', limits: InputLimits | None = None
+) -> ProgressText:
     """Read a progress text: "done: (…)", or skipped, running or failed, one step a line.
 
     What failed or was skipped may have a reason: "failed: (grab cup) because the cup is too hot".
     An empty text says that nothing has begun. What is wrong is told of a plan, by `of`.
     """
-    return ProgressText(source, tuple(_lines(plain_text(text))))
+    lines: list[_Line] = []
+    try:
+        if limits:
+            limits.require_bytes(text, source)
+        for number, line in enumerate(plain_text(text).split('\n'), start=1):
+            content = line.split(';')[0].strip()
+            if content:
+                lines.append(_line(content, number, source))
+    except InputError as error:
+        return ProgressText(source, tuple(lines), error)
+    return ProgressText(source, tuple(lines))
 
 
-def _lines(text: str) -> Iterator[_Line]:
-    for number, line in enumerate(text.split('\n'), start=1):
-        content = line.split(';')[0].strip()
-        if content:
-            yield _line(content, number)
-
-
-def _line(content: str, number: int) -> _Line:
+def _line(content: str, number: int, source: str) -> _Line:
     found = _LINE.fullmatch(content)
     status = found['status'].lower() if found else ''
     if not found or status not in _STATUSES or (found['because'] and status not in _REASONED):
-        return _Line(number, '', content)
+        raise InputError(source, f'this is no progress: "{content[:80]}"', number, cure=_FORM)
     name, *arguments = found['words'].split()
     return _Line(number, status, ground_text(name, arguments), one_line(found['reason'] or ''))

@@ -193,6 +193,13 @@ def test_the_end_of_a_plan_is_not_told_of_the_next_one_though_it_came_just_befor
         robot.publish(progress=f'running: {LINES[3]}')
 
 
+def test_progress_that_is_too_long_is_refused_like_any_other_message(robot: Robot) -> None:
+    with pytest.raises(InputError, match='/progress: its bytes .* max_message_bytes allows'):
+        robot.publish(progress=told(6) + ';' * 1_000_000)
+
+    assert shown(robot.publish(progress=told(6))) == (1, 'first', 'dddddd')
+
+
 HOME = '(robot-at left)'
 CUBE, CIRCLE = '(holding blue_cube)', '(holding red_circle)'
 TO_CUBE = LINES[:4]
