@@ -7,6 +7,7 @@ the values.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 from mirror_explainer.errors import some_of
 from mirror_explainer.listener.explanation import Explanation
@@ -29,6 +30,13 @@ class Level(IntEnum):
     OK = 0
     WARN = 1
     ERROR = 2
+
+
+class Fault(NamedTuple):
+    """What is wrong, or waited for, in one sentence, and what to do about it, '' for nothing."""
+
+    message: str
+    cure: str = ''
 
 
 @dataclass(frozen=True)
@@ -54,7 +62,8 @@ def diagnose(
     """
     now = Moment()
     working = readiness.phase is Phase.PLANNING
-    level, message, cure = _verdict(history.outcome if working else readiness, surroundings, now)
+    outcome = history.outcome if working else readiness
+    level, (message, cure) = _verdict(outcome, surroundings, now)
     if working and level is Level.ERROR:
         message = f'{readiness.message}; the last update failed: {message}'
     elif working:
@@ -62,7 +71,7 @@ def diagnose(
     others = surroundings.others
     for fault in filter(None, (crowded(others.publishers), _unreliable(others.unreliable))):
         level = max(level, Level.WARN)
-        message, cure = f'{message}; {fault[0]}', f'{fault[1]} {cure}'.strip()
+        message, cure = f'{message}; {fault.message}', f'{fault.cure} {cure}'.strip()
     since = history.since if readiness.phase is history.outcome.phase else readiness.since
     values = {
         'state': readiness.phase.value,
@@ -82,52 +91,51 @@ def diagnose(
     return Diagnosis(level, _short(message), {key: _short(text) for key, text in values.items()})
 
 
-def _verdict(
-    readiness: Readiness, surroundings: Surroundings, now: Moment
-) -> tuple[Level, str, str]:
-    """Return level, message and cure of how an update ended."""
+def _verdict(readiness: Readiness, surroundings: Surroundings, now: Moment) -> tuple[Level, Fault]:
+    """Return how bad it is how an update ended, and why."""
     if readiness.phase is Phase.ERROR:
-        return Level.ERROR, readiness.message, readiness.cure
+        return Level.ERROR, Fault(readiness.message, readiness.cure)
     if readiness.preparation is None:
-        return Level.WARN, *_what_is_waited_for(readiness, surroundings, now)
+        return Level.WARN, _what_is_waited_for(readiness, surroundings, now)
+    fault = _what_is_lacking(readiness, surroundings)
+    if fault is None:
+        return Level.OK, Fault(readiness.message)
+    return Level.WARN, Fault(f'{readiness.message}, but {fault.message}', fault.cure)
+
+
+def _what_is_lacking(readiness: Readiness, surroundings: Surroundings) -> Fault | None:
+    """Return what makes answers worth less than they might be, None if nothing does."""
     if surroundings.others.rivals:
-        message, cure = rivalry(surroundings.others.rivals)
-        return Level.WARN, f'{readiness.message}, but {message}', cure
-    model = readiness.preparation.model
+        return rivalry(surroundings.others.rivals)
     if silent := _silent(readiness.inputs, surroundings):
-        return (
-            Level.WARN,
-            f'{readiness.message}, but nobody publishes {" and ".join(silent)} any more',
+        return Fault(
+            f'nobody publishes {" and ".join(silent)} any more',
             'See whether what published it still runs: the answers are about what it told last.',
         )
     if not readiness.inputs.user_model_file:
-        return (
-            Level.WARN,
-            f'{readiness.message}, but without a user model: answers tell the parts of the goal',
+        return Fault(
+            'without a user model: answers tell the parts of the goal',
             "Name one as user_model_file; draft_user_model drafts it from the robot's texts.",
         )
-    if not model.complete:
-        left_out = f'{model.covered:.0%} of P(B) within max_beliefs'
-        why = [left_out] if model.covered < 1.0 - 1e-9 else []
-        return (
-            Level.WARN,
-            f'{readiness.message}, but not for all beliefs: '
-            + '; '.join([*why, *readiness.preparation.warnings]),
-            'Raise deadline, planning_timeout or max_beliefs, or let the user model have fewer '
-            'beliefs.',
-        )
-    return Level.OK, readiness.message, ''
+    preparation = readiness.preparation
+    if preparation is None or preparation.model.complete:
+        return None
+    covered = preparation.model.covered
+    why = [f'{covered:.0%} of P(B) within max_beliefs'] if covered < 1.0 - 1e-9 else []
+    return Fault(
+        f'not for all beliefs: {"; ".join([*why, *preparation.warnings])}',
+        'Raise deadline, planning_timeout or max_beliefs, or let the user model have fewer '
+        'beliefs.',
+    )
 
 
-def _what_is_waited_for(
-    readiness: Readiness, surroundings: Surroundings, now: Moment
-) -> tuple[str, str]:
-    """Return the message without an explanation, and the cure."""
+def _what_is_waited_for(readiness: Readiness, surroundings: Surroundings, now: Moment) -> Fault:
+    """Return what there is no explanation without."""
     others, inputs = surroundings.others, readiness.inputs
     if others.elsewhere and not (inputs.problem or inputs.plan):
         there = some_of([f'{place}plan' for place in others.elsewhere])
         cure = f'There is {there}: is this node to be in that namespace (-r __ns:=…)? '
-        return readiness.message, cure + readiness.cure
+        return Fault(readiness.message, cure + readiness.cure)
     unheard = [
         name
         for name, heard in (('problem', inputs.problem), ('plan', inputs.plan))
@@ -135,8 +143,8 @@ def _what_is_waited_for(
         and {*others.publishers.get(name, ())}.difference(others.unreliable.get(name, ()))
     ]
     if not unheard or now.seconds_since(readiness.since) < _ARRIVAL_SECONDS:
-        return readiness.message, readiness.cure
-    return (
+        return Fault(readiness.message, readiness.cure)
+    return Fault(
         f'{readiness.message}; somebody publishes {" and ".join(unheard)}, but nothing was heard',
         'Let it be published again, or latched (transient local). If that does not help, the '
         'middleware loses it: start this node again.',
@@ -149,27 +157,27 @@ def _silent(inputs: Inputs, surroundings: Surroundings) -> list[str]:
     return [n for n, text in told.items() if text and surroundings.others.publishers.get(n) == ()]
 
 
-def crowded(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
-    """Return what is wrong where two nodes tell the same, and the cure; None if none do.
+def crowded(publishers: Mapping[str, Sequence[str]]) -> Fault | None:
+    """Return what is wrong where two nodes tell the same, None if none do.
 
     `publishers` are the names of the nodes that publish each input.
     """
     topics, nodes = _where_so_many_publish(2, publishers)
     if not topics:
         return None
-    return (
+    return Fault(
         f'more than one node publishes {topics} (named {nodes}), and what they tell is mixed',
         'Of two robots give each a namespace or ROS_DOMAIN_ID of its own; of one robot let one '
         'node publish a topic. One that was killed is forgotten after 20 s.',
     )
 
 
-def _unreliable(publishers: Mapping[str, Sequence[str]]) -> tuple[str, str] | None:
-    """Return what is wrong where nodes publish an input as best effort, and the cure."""
+def _unreliable(publishers: Mapping[str, Sequence[str]]) -> Fault | None:
+    """Return what is wrong where nodes publish an input as best effort, None if none do."""
     topics, nodes = _where_so_many_publish(1, publishers)
     if not topics:
         return None
-    return (
+    return Fault(
         f'{nodes} publishes {topics} as best effort, which is not heard here',
         'Publish it reliably (QoS reliability: reliable).',
     )
@@ -183,9 +191,9 @@ def _where_so_many_publish(least: int, publishers: Mapping[str, Sequence[str]]) 
     return ' and '.join(topics), some_of(nodes)
 
 
-def rivalry(rivals: int) -> tuple[str, str]:
-    """Return what is wrong with other servers of verbalize_plan in the namespace, and the cure."""
-    return (
+def rivalry(rivals: int) -> Fault:
+    """Return what is wrong with other servers of verbalize_plan in the namespace."""
+    return Fault(
         f'{rivals} more {"node serves" if rivals == 1 else "nodes serve"} verbalize_plan here: '
         'a call may be answered by any of them',
         'End the other explainer, or give each a namespace or ROS_DOMAIN_ID of its own. One '
