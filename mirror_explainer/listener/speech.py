@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from types import MappingProxyType
+from typing import NamedTuple
 
 from mirror_explainer.listener.english import before_name, inability, intention
 from mirror_explainer.listener.frame import ARTICLES, framed
@@ -17,6 +18,14 @@ Step = tuple[str, StepStatus]  # a ground action, and how far it is
 _OF = re.compile(r'of\b', re.IGNORECASE)  # so a reason begins that is no sentence
 _ENGLISH = re.compile(r'\bI (?:cannot|did not|was not)\b')
 _NO_REASONS: Mapping[str, str] = MappingProxyType({})
+
+
+class _Told(NamedTuple):
+    """A step as it is said, and how far it is; `why` it was left out, '' if it was not."""
+
+    said: Said
+    status: StepStatus
+    why: str
 
 
 def spoken(
@@ -33,36 +42,44 @@ def spoken(
     thing, "I will wash the cup and the pan.", and others, "I will boil water and wait." A list
     is heard as the whole of it: so one that steps left `unsaid` would be in, too, ends with "and
     one more" or "and others"; but that of different tasks promises no more than two sentences
-    would. A robot
-    that `is_stuck` promises nothing: "I meant to photograph the lock." for "I will …", and no
-    other sentence.
-    After what was left out stands why, if `reasons` have that, by ground action.
+    would. A robot that `is_stuck` promises nothing: "I meant to photograph the lock." for "I
+    will …", and no other sentence. After what was left out stands why, if `reasons` have that,
+    by ground action.
     """
-    told: list[tuple[Said, StepStatus, str]] = []
-    for action, status in steps:
-        if said := _worded(sentences, (action, status), is_stuck):
-            told.append((said, status, reasons.get(action, '')))
+    told = [
+        _Told(said, step[1], reasons.get(step[0], '') if step[1] is StepStatus.SKIPPED else '')
+        for step in steps
+        if (said := _worded(sentences, step, is_stuck))
+    ]
     left = [said for step in unsaid if (said := _worded(sentences, step, is_stuck))]
-    groups: list[list[Said]] = []
-    whys: list[str] = []  # of each group
-    last: StepStatus | None = None
-    with_places = framed([said for said, *_ in told])
-    for (said, frame), (_, status, why) in zip(with_places, told, strict=True):
-        # "I did not wash the cup and the plate" might be heard as if one of them was washed.
-        alike = status is last and status is not StepStatus.SKIPPED
-        if alike and _differing([*groups[-1], said]):
-            groups[-1].append(said)
-        else:
-            groups.append([said])
-            whys.append(why if status is StepStatus.SKIPPED else '')
+    placed = [*framed([each.said for each in told])]
+    for _, frame in placed:
         if frame:
             left = [frame.of(step) or step for step in left]
-        last = status
+    told = [each._replace(said=said) for each, (said, _) in zip(told, placed, strict=True)]
     lines = [
-        _with_reason(_together(group, left, sentences.phrases), why)
-        for group, why in zip(groups, whys, strict=True)
+        _with_reason(
+            _together([each.said for each in group], left, sentences.phrases), group[0].why
+        )
+        for group in _groups(told)
     ]
     return '\n'.join(lines)
+
+
+def _groups(told: Sequence[_Told]) -> list[list[_Told]]:
+    """Divide steps into those that are said in one sentence each.
+
+    "I did not wash the cup and the plate" might be heard as if one of them was washed.
+    """
+    groups: list[list[_Told]] = []
+    for each in told:
+        before = groups[-1] if groups else []
+        alike = before and before[-1].status is each.status is not StepStatus.SKIPPED
+        if alike and _differing([*(one.said for one in before), each.said]):
+            before.append(each)
+        else:
+            groups.append([each])
+    return groups
 
 
 def _worded(sentences: Sentences, step: Step, is_stuck: bool) -> Said | None:
