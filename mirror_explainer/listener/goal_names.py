@@ -19,6 +19,42 @@ _SENTENCE = re.compile(r'I will (.+)\.')
 
 
 @dataclass(frozen=True)
+class _Phrase:
+    """A phrase with parameters in braces, and what is said for each: several things for one."""
+
+    text: str
+    called: Mapping[str, tuple[str, ...]]
+
+    def __str__(self) -> str:
+        told = ''
+        for text, name in parts(self.text):
+            things = _listed(self.called[name]) if name else ''
+            told += before_name(text, things) + things if name else text
+        return told
+
+    @property
+    def together(self) -> set[str]:
+        """The parameters for which several things are said."""
+        return {name for name, things in self.called.items() if len(things) > 1}
+
+    def joined(self, other: '_Phrase') -> '_Phrase | None':
+        """Return both as one phrase, None where they differ in more than one place."""
+        if self.text != other.text:
+            return None
+        differing = {name for name in self.called if self.called[name] != other.called[name]}
+        if len(differing) != 1 or not self.together <= differing:
+            return None
+        [name] = differing
+        return _Phrase(self.text, {**self.called, name: self.called[name] + other.called[name]})
+
+
+def _listed(things: Sequence[str]) -> str:
+    """Return things as a list in a sentence: "a, b and c"."""
+    *first, last = things
+    return f'{", ".join(first)} and {last}' if first else last
+
+
+@dataclass(frozen=True)
 class GoalNames:
     """Names goals by the sentences of actions.
 
@@ -34,25 +70,32 @@ class GoalNames:
     def of(self, goal: Sequence[str]) -> str:
         """Return a name for a goal's parts, as PDDL: "feed the horse and rinse the pan".
 
+        Neighbours that differ in one object are one phrase: "feed the horse and the cow".
         Variables in braces stay. '' where a part cannot be said so that each object is named
         but those that are the only ones of their types, and of a goal without parts.
         """
-        phrases = [self._phrase(part) for part in goal]
-        if not phrases or not all(phrases):
-            return ''
-        *first, last = phrases
-        return f'{", ".join(first)} and {last}' if first else last
+        phrases: list[_Phrase] = []
+        for part in goal:
+            phrase = self._phrase(part)
+            if phrase is None:
+                return ''
+            joined = phrases[-1].joined(phrase) if phrases else None
+            phrases = [*phrases[:-1], joined] if joined else [*phrases, phrase]
+        told = [str(phrase) for phrase in phrases]
+        if len(told) > 1 and any(phrase.together for phrase in phrases):
+            return f'{", ".join(told[:-1])}, and {told[-1]}'
+        return _listed(told) if told else ''
 
     @cached_property
     def _meant(self) -> dict[str, tuple[str, bool]]:
         """What each form of a phrase stands for: the first literal that is named so."""
         return {}
 
-    def _phrase(self, part: str) -> str:
-        """Return what brings a part about, '' if no sentence says just that."""
+    def _phrase(self, part: str) -> '_Phrase | None':
+        """Return what brings a part about, None if no sentence says just that."""
         literal = _LITERAL.fullmatch(part)
         if not literal:
-            return ''
+            return None
         predicate, *objects = words_of(literal[2])
         kind = (predicate, not literal[1])
         for action, phrase, arguments in sorted(
@@ -67,12 +110,9 @@ class GoalNames:
             unnamed = {given[name] for name in given.keys() - named}
             is_whole = named <= given.keys() and len(given) == len(objects)
             if is_own and is_whole and unnamed <= self._alone:
-                said = {name: self.called(action, given[name]) for name in named}
-                return ''.join(
-                    before_name(text, said[name]) + said[name] if name else text
-                    for text, name in parts(phrase)
-                )
-        return ''
+                said = {name: (self.called(action, given[name]),) for name in named}
+                return _Phrase(phrase, said)
+        return None
 
     def _is_done(self, action: str, arguments: Sequence[str], objects: Sequence[str]) -> bool:
         """Say whether a step of the plan is this action of these objects."""

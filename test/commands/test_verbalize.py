@@ -111,7 +111,7 @@ def test_of_many_ends_that_are_left_and_long_names_only_the_first_are_told(comma
     done = command('--n', '1', **{name: tmp_path / name for name in texts})
 
     summary = done.stdout.split('\n\n')[1]
-    assert 'to be "sweep hall1, sweep hall2, sweep hall3, ' in summary
+    assert 'to be "sweep hall1, hall2, hall3, ' in summary
     assert ' …" and is ' in summary
     unsaid = 'I will sweep hall2. I will sweep hall3. I will sweep hall4. And 14 more.'
     assert unsaid in summary

@@ -36,6 +36,16 @@ OWN = {
             '',
         ),
         (['(in robby hall)'], 'go to the hall', 'visit the hall'),
+        (
+            ['(clean red_cup)', '(clean blue_cup)', '(in robby hall)'],
+            'wash the red cup and the blue cup, and go to the hall',
+            'wash the red cup and the blue cup, and visit the hall',
+        ),
+        (
+            ['(brought red_cup lab)', '(brought blue_cup lab)', '(brought blue_cup hall)'],
+            'bring the red cup and the blue cup to the lab, and bring the blue cup to the hall',
+            '',
+        ),
         # What is washed is in no hand any more, too: that is not what one would think of.
         (['(clean red_cup)', '(not (holds robby red_cup))'], '', ''),
         (['(shown red_cup)'], 'show the red cup', 'show a red cup'),
