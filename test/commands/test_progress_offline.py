@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from mirror_explainer.commands.verbalize import main
-from mirror_explainer.node.task_list import named_tasks, problem_text
+from mirror_explainer.listener.robot_tasks import named_tasks, problem_text
 
 DOMAIN = """
 (define (domain kitchen)

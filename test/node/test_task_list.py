@@ -16,13 +16,8 @@ from mirror_explainer.errors import InputError
 from mirror_explainer.listener.robot_tasks import DOMAIN, named_tasks, problem_text, task_name
 from mirror_explainer.node.robot_topics import RobotTopics
 from mirror_explainer.node.surroundings import Others
-from mirror_explainer.node.task_list import (
-    TaskList,
-    TaskTexts,
-    checked_task,
-    parsed_tasks,
-    task_texts,
-)
+from mirror_explainer.node.task_list import TaskList
+from mirror_explainer.node.task_texts import TaskTexts, checked_task, parsed_tasks, task_texts
 from mirror_explainer.pddl import read_task
 
 __all__ = ['operator']  # the fixture
