@@ -107,8 +107,7 @@ class Sentences:
             return self.templates[name].wording.future
         if name in self.defaults:
             return self.defaults[name].sentence
-        places = (f'{{{parameter}}}' for parameter in self.parameters.get(name, ()))
-        return f'I will {" ".join([plain_name(name), *places])}.'
+        return _by_its_name(name, self.parameters.get(name, ()))
 
     def called_in(self, name: str, item: str) -> str:
         """Return what an object is called in the sentence of an action of this name."""
@@ -129,17 +128,12 @@ class Sentences:
         name, *arguments = words_of(action)
         parameters = self.parameters.get(name, tuple(map(str, range(len(arguments)))))
         objects = dict(zip(parameters, arguments, strict=True))
+        if name in self.defaults and name not in self.templates:
+            return Wording(self.defaults[name].sentence), self._called(name, objects)
+        wording = Wording(_by_its_name(name, objects))
         if name in self.templates:
             wording = self.templates[name].chosen(objects, self._types)
-            called = {p: self._plainly(o) for p, o in objects.items()}
-        elif name in self.defaults:
-            wording = Wording(self.defaults[name].sentence)
-            called = self._called(name, objects)
-        else:
-            places = [f'{{{parameter}}}' for parameter in objects]
-            wording = Wording(f'I will {" ".join([plain_name(name), *places])}.')
-            called = {p: self._plainly(o) for p, o in objects.items()}
-        return wording, called
+        return wording, {p: self._plainly(o) for p, o in objects.items()}
 
     def _with_verb(
         self, wording: Wording, status: StepStatus, called: Mapping[str, str], verb: str
@@ -257,6 +251,12 @@ def in_tense(wording: Wording, status: StepStatus, phrases: Phrases) -> str:
     if status is StepStatus.RUNNING:
         return wording.future
     return phrases.already.replace('{sentence}', wording.future)
+
+
+def _by_its_name(action: str, parameters: Iterable[str]) -> str:
+    """Return how an action is said of which only its name and parameters are known."""
+    places = (f'{{{parameter}}}' for parameter in parameters)
+    return f'I will {" ".join([plain_name(action), *places])}.'
 
 
 def _static_facts(task: Task) -> list[tuple[str, ...]]:
