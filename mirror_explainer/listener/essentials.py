@@ -1,6 +1,6 @@
 """What of an action's objects a listener wants to hear, in which order: chosen by its effects."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,6 +22,9 @@ TO = word_set(
     'deliver bring carry hand give send transport transfer attach connect fasten fit assign '
     'show tell serve report move offer pass lend sell return'
 )
+PICTURES = word_set(
+    'image picture photo photograph video scan measurement reading snapshot recording'
+)
 # What is done so to a liquid gets it into something, and it is no more what it was.
 DISPENSING = word_set('dispense inject squirt drip')
 _HELD = HOLDING | word_set('held carried grasped gripped')
@@ -34,7 +37,8 @@ class Essentials:
     """The parameters that are said of an action, whose name has these words.
 
     Nothing is said of the `silent` ones. `moving` are the predicates that say where things
-    are, and `places` the kinds of where they are.
+    are, and `places` the kinds of where they are; `heads` are the nouns in the names of
+    objects, by kind: "cup" of red_cup and cup2.
     """
 
     roles: Roles
@@ -42,6 +46,7 @@ class Essentials:
     silent: frozenset[str]
     moving: frozenset[str]
     places: frozenset[str]
+    heads: Mapping[str, Set[str]]
 
     @cached_property
     def aim(self) -> str:
@@ -59,15 +64,30 @@ class Essentials:
         """The words of the action's name that stand for its parameters, by parameter."""
         named: dict[str, str] = {}
         changing = self._in(self.roles.made) + self._in(self.roles.undone)
+        first, *rest = self.words
         candidates = [p for p in (self.aim, *changing, *self.roles.parameters) if p]
-        for word in [*self.words[1:], self.words[0]]:
-            if word not in PREPOSITIONS:
-                for p in candidates:
-                    taken = self.silent | self.origins | named.keys()
-                    if p not in taken and (word == p or self.is_kind(p, word)):
-                        named[p] = word
-                        break
+        for word in [*rest, first]:
+            taken = self.silent | self.origins | named.keys()
+            free = [p for p in candidates if p not in taken and word not in PREPOSITIONS]
+            called = [p for p in free if self._is_called(p, word)]
+            if not called and word in rest and word not in PICTURES:
+                called = [p for p in self.roles.parameters if p in free and self._is_head(p, word)]
+                after = self.words[self.words.index(word, 1) - 1]
+                called = called[::-1] if after in PREPOSITIONS else called  # "place-on-table"
+            if called:
+                named[called[0]] = word
         return named
+
+    def _is_called(self, parameter: str, noun: str) -> bool:
+        return noun == parameter or self.is_kind(parameter, noun)
+
+    def _is_head(self, parameter: str, noun: str) -> bool:
+        return any(noun in self.heads.get(kind, ()) for kind in self.roles.kinds[parameter][:1])
+
+    @property
+    def kind_nouns(self) -> dict[str, str]:
+        """The nouns that say what kind of object is meant, by parameter."""
+        return {p: noun for p, noun in self.nouns.items() if self._is_called(p, noun)}
 
     def is_kind(self, parameter: str, noun: str) -> bool:
         """Say whether a noun is a parameter's kind, or the last word of it: "slow-lift"."""
@@ -122,7 +142,7 @@ class Essentials:
     def handled(self) -> frozenset[str]:
         """The parameters for what is moved, taken or put down."""
         taken = {a.arguments[0] for a in self.roles.made if self._is_held(a)}
-        return frozenset(self._shifted | taken)
+        return frozenset((self._shifted | taken).difference(self.roles.agents))
 
     @cached_property
     def _shifted(self) -> set[str]:

@@ -1,7 +1,7 @@
 """What objects are called that the user model has no name for: "the big gripper", "ward 1B"."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mirror_explainer.listener.english import is_known, word_set
@@ -15,6 +15,11 @@ _NAMED = word_set('city town village country host server planet star')
 _QUALIFIED = word_set(
     'camera sensor lens filter film light mode setting program recipe colour color speed channel '
     'style size shape surface material'
+)
+# What things are like, and not what they are: "the left gripper".
+_LIKE = word_set(
+    'left right top bottom front back rear upper lower inner outer big small large little first '
+    'second third last north south east west red green blue yellow black white grey orange'
 )
 # Kinds that tell nothing.
 VAGUE = word_set('tool item object thing place location device instrument')
@@ -48,15 +53,16 @@ class Name:
         `qualified` by the name, it is said too: "the infrared camera".
         """
         words = words or self.words
-        if len(words) == 1 and len(words[0]) == 1 and self.kinds:
-            noun = noun or ('' if self.kinds[0] in VAGUE else self.kinds[0])
+        is_like = len(self.words) == 1 and words[0].lower() in _LIKE
+        if (is_like or (len(words) == 1 and len(words[0]) == 1)) and self.kinds:
+            noun = noun or ('' if self.kinds[0] in VAGUE else ' '.join(words_in(self.kinds[0])))
         said = ' '.join(words)
         named = not noun or any(_names(word.lower(), noun) for word in words)
         if is_code(words[-1]):
             return said if named else f'{noun} {said}'
         if self._is_proper:
             return said
-        wanted = qualified and not named and noun in _QUALIFIED
+        wanted = not named and (is_like or (qualified and noun in _QUALIFIED))
         return f'the {said} {noun}' if wanted else f'the {said}'
 
     @property
@@ -90,6 +96,17 @@ def object_names(task: Task) -> dict[str, Name]:
     kinds = {kind: _types(kind) for kind in {kind for _, kind in objects}}
     written = spelling(task.written_objects)
     return {n: Name(_words(written.get(n, n)), kinds[kind]) for n, kind in objects}
+
+
+def heads_of(names: Iterable[Name]) -> dict[str, set[str]]:
+    """Return the nouns in names by kind: "cup" of red_cup and cup_2."""
+    heads: dict[str, set[str]] = {}
+    for name in names:
+        plain = [re.sub(r'\d+$', '', word.lower()) for word in name.words]
+        nouns = [word for word in plain if len(word) > 2 and not is_code(word)]
+        for kind in name.kinds if nouns else ():
+            heads.setdefault(kind, set()).add(nouns[-1])
+    return heads
 
 
 def spelling(written: Mapping[str, str]) -> Mapping[str, str]:

@@ -4,12 +4,19 @@ The verb comes from the action's name, the objects from its effects: what it bri
 is what a listener wants to hear, not everything that it needs.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from mirror_explainer.listener.english import infinitive, word_set
-from mirror_explainer.listener.essentials import DISPENSING, DOORS, TAKING, TO, Essentials
+from mirror_explainer.listener.essentials import (
+    DISPENSING,
+    DOORS,
+    PICTURES,
+    TAKING,
+    TO,
+    Essentials,
+)
 from mirror_explainer.listener.names import VAGUE, is_code
 from mirror_explainer.listener.roles import (
     AGENTS,
@@ -45,6 +52,7 @@ _BEFORE_OBJECT = {
     **dict.fromkeys(('look', 'stare', 'gaze', 'glance', 'point', 'aim', 'wave', 'smile'), 'at'),
     **dict.fromkeys(('listen', 'talk', 'speak', 'apologize', 'respond', 'reply', 'attend'), 'to'),
     **dict.fromkeys(('dock', 'arrive'), 'at'),
+    **dict.fromkeys(('undock', 'depart'), 'from'),
     **dict.fromkeys(('wait', 'care'), 'for'),
     **dict.fromkeys(('knock', 'sit', 'lean'), 'on'),
     **dict.fromkeys(('interact', 'chat'), 'with'),
@@ -65,12 +73,15 @@ _AIMING = word_set(
     'enter visit reach approach inspect climb cross leave exit explore search clean find patrol'
 )
 _THROUGH = word_set('exit leave enter pass')
-_PICTURES = word_set(
-    'image picture photo photograph video scan measurement reading snapshot recording'
-)
 _BUILDING = word_set('build construct install erect set')
 # What is done into, or from, a thing of the action's name is done to something: "tip-into-press".
-_TO_WHERE = word_set('into onto from in on')
+_TO_WHERE = word_set('into onto from in on with')
+# What follows these is said of an object as it is: "mark-as-done", "wait-until-dry".
+_CLAUSES = word_set('as until while')
+_STATES = word_set('let keep')
+_TELLING = word_set('say read sing explain announce describe play')
+# These are done with somebody: "shake the hands with Anna".
+_TOGETHER = word_set('play shake dance share')
 # Nouns of a name that stand for whatever object there is.
 _GENERIC = word_set(
     'room waypoint place location area zone position pose site point spot object item thing target'
@@ -113,12 +124,13 @@ class Readables:
     """Makes the default sentences of a domain's actions.
 
     `spelling` has the names that are written with capitals; of the kinds in `alone` there is
-    one object only.
+    one object only. `heads` are the nouns in the names of objects, by kind.
     """
 
     roles: Mapping[str, Roles]
     spelling: Mapping[str, str]
     alone: frozenset[str]
+    heads: Mapping[str, Set[str]] = field(default_factory=dict)
 
     @cached_property
     def _moving(self) -> frozenset[str]:
@@ -148,7 +160,8 @@ class Readables:
             if roles.is_amount(p) or (p in roles.agents and kinds and kinds[0] in self.alone)
         )
         words = self._words[action]
-        return _Maker(Essentials(roles, words, silent, self._moving, self._places)).readable(more)
+        known = self._moving, self._places, self.heads
+        return _Maker(Essentials(roles, words, silent, *known)).readable(more)
 
 
 @dataclass(frozen=True)
@@ -198,7 +211,7 @@ class _Maker:
         kinds = {p: kind for p, kind in kinds.items() if kind not in VAGUE}
         mover = {objects[0]: start.names} if start.names else {}
         sentence = f'I will {" ".join([*start.words, *places])}.'
-        return Readable(sentence, mover | self.it.nouns | kinds, frozenset(kinds))
+        return Readable(sentence, mover | self.it.kind_nouns | kinds, frozenset(kinds))
 
     def _kept(self, said: Sequence[str], direct: Sequence[str], more: int) -> set[str]:
         """Return the parameters that are said, of those that may be: the most important ones."""
@@ -279,11 +292,15 @@ class _Maker:
                     joined[stands_for[word]], coming = coming, ''
             elif word in PREPOSITIONS and (not both or len(objects) > 1 or self.it.nouns):
                 coming = word
+            elif objects and (verb in _STATES or not _CLAUSES.isdisjoint([word, *how])):
+                how.append(word)
             elif is_named:
                 continue
+            elif coming == 'to' and word in DIRECTIONS and not following:
+                words, coming = [*words, word], ''
             elif not own and self._is_how(word, following):
                 (how if objects else words).append(word)
-            elif not own and (self._is_plain(word) or words[-1] == 'and'):
+            elif not (own or coming) and (self._is_plain(word) or words[-1] == 'and'):
                 words.append(word)
             elif word in _GENERIC and (objects or self.it.aim):
                 continue  # it is what the object is: "search-room"
@@ -304,7 +321,7 @@ class _Maker:
                 return _Start(words, joined, coming, after=' '.join(how), names=own[0])
             own = [] if own[0] in _ITSELF else own
         article = [_article(own[-1])] if own else []
-        if verb == 'ask' and own and own[0] != 'question':
+        if verb == 'ask' and own and own[0] != 'question' and 'for' not in rest:
             words.append('for')
         if coming and not own and len(objects) < 2 and not self.it.aim:
             words += [] if self.it.source(''.join(objects)) else [coming]
@@ -332,13 +349,12 @@ class _Maker:
     def _of(self, parameter: str) -> str:
         """Return what joins to "take the image", "sample the soil": of the moon, at the rock."""
         verb = self.it.phrase.verb
-        if verb in TO and self.it.is_a(parameter, _SOMEBODY):
-            return 'to'
-        picture = not _PICTURES.isdisjoint(self.it.phrase.rest)
+        if verb in TO | _TOGETHER and self.it.is_a(parameter, _SOMEBODY):
+            return 'to' if verb in TO else 'with'
+        picture = not PICTURES.isdisjoint(self.it.phrase.rest)
         built = verb in _BUILDING and self.it.is_a(parameter, _PLACES)
-        return (
-            self._at(parameter) if built or (self._is_there(parameter) and not picture) else 'of'
-        )
+        is_there = self._is_there(parameter) or self.it.is_a(parameter, _ROOMS)
+        return self._at(parameter) if built or (is_there and not picture) else 'of'
 
     def _joining(self, parameter: str, direct: str) -> str:
         """Return what joins another object to what was said."""
@@ -370,6 +386,9 @@ class _Maker:
             return 'in'
         if self._is_place(parameter):
             return self._at(parameter)
+        is_told = verb in _TELLING and self.it.is_a(parameter, _SOMEBODY)
+        if is_told and not (direct and self.it.is_a(direct, _SOMEBODY)):
+            return 'to'
         kinds = self.it.roles.kinds
         found_out = verb in _EXAMINING and not self.it.is_a(parameter, _INSTRUMENTS | AGENTS)
         return 'for' if found_out and kinds[parameter] != kinds.get(direct) else 'with'
@@ -390,6 +409,6 @@ class _Maker:
 
 def _article(noun: str) -> str:
     """Return "a" for what there is more of with every step, such as pictures, else "the"."""
-    if noun in _PICTURES:
+    if noun in PICTURES:
         return 'an' if noun[0] in 'aeiou' else 'a'
     return 'the'

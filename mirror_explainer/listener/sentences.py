@@ -21,7 +21,7 @@ from mirror_explainer.listener.english import (
     phrase_tenses,
     verb_parameter,
 )
-from mirror_explainer.listener.names import Name, object_names, spelling
+from mirror_explainer.listener.names import Name, heads_of, object_names, spelling
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.readable import Readable, Readables
 from mirror_explainer.listener.roles import Roles, roles_of
@@ -203,7 +203,7 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     kinds = Counter(kind for name in names.values() for kind in name.kinds)
     kinds += Counter(predicate for predicate, *objects in facts if len(objects) == 1)
     alone = frozenset(kind for kind, count in kinds.items() if count == 1)
-    readables = Readables(roles, spelling(task.written_actions), alone)
+    readables = Readables(roles, spelling(task.written_actions), alone, heads_of(names.values()))
     usual = Sentences(
         parameters,
         templates,

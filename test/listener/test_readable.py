@@ -46,10 +46,11 @@ PREDICATES = (
     '(shown ?t - thing ?f - film) (greeted ?p - person) (given ?t - thing ?p - person)'
     '(passed ?g - gate) (seen ?r - room) (gate-open ?a ?b - room) (fed ?h - horse)'
     '(filled ?b - bay ?t - thing) (pressed ?t - thing) (met ?c - robot)'
-    '(has ?p - person ?t - thing) (in-there ?t - thing ?r - room) (aboard ?p - person ?g - gate)'
+    '(has ?p - person ?t - thing) (in-there ?t - thing ?r - room) (in-mug ?t ?u - thing)'
+    '(shelved ?t - thing ?s - storey) (aboard ?p - person ?g - gate)'
 )
 OBJECTS = (
-    'big_hall cold-store - room level_0 - storey red_Mug tin7 - thing bay_1 - bay '
+    'big_hall cold-store - room level_0 left - storey red_Mug tin7 - thing bay_1 - bay '
     'desk_lamp - lamp full half - level Ms_Ito anna nurse dr_who old_man - person colour - film '
     'east_gate - gate x - room bella - horse vinny gripper - robot'
 )
@@ -113,7 +114,7 @@ SPOKEN = [
     (
         action('floor-cleaning', '?r - room', '(seen ?r)'),
         'big_hall',
-        'clean the floor of the big hall',
+        'clean the floor in the big hall',
     ),
     (action('search_area', '?r - storey', '(seen ?r)'), 'level_0', 'search level 0'),
     (
@@ -259,6 +260,33 @@ SPOKEN = [
     (action('ask_charge', '', '(charged)'), '', 'ask for the charge'),
     (action('say_hello', '?p - person', '(greeted ?p)'), 'anna', 'say hello to anna'),
     (action('stay_idle', '', '(charged)'), '', 'stay idle'),
+    # What the name calls the object the object's own name says, too: a tin is no other tin.
+    (action('inspect-tin', '?t - thing', '(held ?t)'), 'tin7', 'inspect tin7'),
+    (
+        action('put-into-mug', '?t ?u - thing', '(in-mug ?t ?u) (not (held ?t))'),
+        'tin7 red_mug',
+        'put tin7 into the red Mug',
+    ),
+    (
+        action('wipe', '?t - thing ?s - storey', '(shelved ?t ?s)'),
+        'tin7 left',
+        'wipe tin7 in the left storey',
+    ),
+    (action('undock', '?b - bay', '(not (bay-free ?b))'), 'bay_1', 'undock from bay 1'),
+    (action('turn_off_fan', '?r - room', '(not (seen ?r))'), 'x', 'turn off the fan in room x'),
+    (action('ask_for_help', '?p - person', '(greeted ?p)'), 'anna', 'ask for the help of anna'),
+    (action('wait_until_dry', '?t - thing', '(held ?t)'), 'tin7', 'wait for tin7 until dry'),
+    (action('mark_as_done', '?t - thing', '(held ?t)'), 'tin7', 'mark tin7 as done'),
+    (action('let_cool', '?t - thing', '(held ?t)'), 'tin7', 'let tin7 cool'),
+    (
+        action('pick_with_left_hand', '?t - thing', '(held ?t)'),
+        'tin7',
+        'pick up tin7 with the left hand',
+    ),
+    (action('move_to_home_pose', '', '(charged)'), '', 'move to the home pose'),
+    (action('go_to_home', '', '(charged)'), '', 'go home'),
+    (action('sing', '?t - thing ?p - person', '(given ?t ?p)'), 'tin7 anna', 'sing tin7 to anna'),
+    (action('play_chess', '?p - person', '(greeted ?p)'), 'anna', 'play the chess with anna'),
     # Who the name says that it is done to goes first, and is not called anything else.
     (
         action('attend-person', '?p - person ?t - thing', '(given ?t ?p) (not (held ?t))'),
