@@ -13,7 +13,12 @@ from mirror_explainer.listener.roles import (
     Roles,
     words_in,
 )
-from mirror_explainer.listener.verb_phrase import PREPOSITIONS, VerbPhrase, verb_phrase
+from mirror_explainer.listener.verb_phrase import (
+    PREPOSITIONS,
+    VerbPhrase,
+    joins_verbs,
+    verb_phrase,
+)
 
 # What is taken is told from where, not with which hand or into which pocket.
 TAKING = word_set('pick grab grasp take get collect fetch lift')
@@ -66,7 +71,8 @@ class Essentials:
         changing = self._in(self.roles.made) + self._in(self.roles.undone)
         first, *rest = self.words
         candidates = [p for p in (self.aim, *changing, *self.roles.parameters) if p]
-        for word in [*rest, first]:
+        in_order = rest[2:] if joins_verbs(self.words) else [*rest, first]
+        for word in in_order:
             taken = self.silent | self.origins | named.keys()
             free = [p for p in candidates if p not in taken and word not in PREPOSITIONS]
             called = [p for p in free if self._is_called(p, word)]

@@ -49,8 +49,8 @@ class Name:
         """Return the name in a sentence, with "the" where English wants it.
 
         `words` are those of its words that are said, if not all. `noun` says what it is,
-        where the name does not: "truck tru1", but "truck 1" and "the big one". Where it is
-        `qualified` by the name, it is said too: "the infrared camera".
+        where the name does not: "truck tru1", but "truck 1", "brush 1" and "the big one". Where
+        it is `qualified` by the name, it is said too: "the infrared camera".
         """
         words = words or self.words
         is_like = len(self.words) == 1 and words[0].lower() in _LIKE
@@ -59,7 +59,9 @@ class Name:
         said = ' '.join(words)
         named = not noun or any(_names(word.lower(), noun) for word in words)
         if is_code(words[-1]):
-            return said if named else f'{noun} {said}'
+            own = {words_in(kind)[-1] for kind in self.kinds}
+            known = named or any(_names(word.lower(), kind) for word in words for kind in own)
+            return said if known else f'{noun} {said}'
         if self._is_proper:
             return said
         wanted = not named and (is_like or (qualified and noun in _QUALIFIED))

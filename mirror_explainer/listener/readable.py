@@ -279,14 +279,18 @@ class _Maker:
         )
         words = [_IN_FULL.get(verb, verb) if bare else verb]
         joined: dict[str, str] = {}
-        coming, own, there, how = '', list[str](), list[str](), list[str]()
+        coming, after, own, there, how = '', '', list[str](), list[str](), list[str]()
         is_named = False  # otherwise: "deliver-parcel"
-        for word, following in zip(rest, (*rest, '')[1:], strict=True):
+        for before, word, following in zip((verb, *rest), rest, (*rest, '')[1:], strict=False):
             both = word in PREPOSITIONS and word in PARTICLES
-            if (word, following) == ('out', 'of'):
+            if word.startswith('to '):  # what somebody is asked for
+                coming, after = (word, '') if following in stands_for else (coming, word)
+            elif (word, following) == ('out', 'of'):
                 coming = 'out of'
             elif word == 'of' and coming:
                 continue
+            elif is_code(word) and before in stands_for:
+                continue  # a variant: "tag-coral-4"
             elif word in stands_for:
                 if coming:
                     joined[stands_for[word]], coming = coming, ''
@@ -320,14 +324,16 @@ class _Maker:
             if objects:
                 return _Start(words, joined, coming, after=' '.join(how), names=own[0])
             own = [] if own[0] in _ITSELF else own
-        article = [_article(own[-1])] if own else []
-        if verb == 'ask' and own and own[0] != 'question' and 'for' not in rest:
+        of_somebody = bool(objects) and self.it.is_a(objects[0], _SOMEBODY)
+        is_bare = own == ['help'] and not of_somebody  # "call for help"
+        article = [_article(own[-1])] if own and not is_bare else []
+        if verb == 'ask' and own and own[0] != 'question' and 'for' not in rest and not after:
             words.append('for')
         if coming and not own and len(objects) < 2 and not self.it.aim:
             words += [] if self.it.source(''.join(objects)) else [coming]
             coming = coming if coming == 'out of' else ''
         to_there = [there[0], _article(there[-1]), *there[1:]] if there else []
-        after = ' '.join([*how, *to_there])
+        after = ' '.join(filter(None, [*how, *to_there, after]))
         return _Start([*words, *article, *own], joined, coming, bool(own), after)
 
     def _joins_or_is_generic(self, word: str) -> bool:

@@ -197,13 +197,15 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     """
     parameters = action_parameters(task)
     templates = {**doings(task), **user_model.templates}
-    roles = {n: r for n, r in roles_of(task).items() if n not in templates}
+    every_role = roles_of(task)  # where things move tells of places in other sentences, too
+    roles = {n: r for n, r in every_role.items() if n not in templates}
     facts = _static_facts(task) if roles else []
     names = object_names(task)
     kinds = Counter(kind for name in names.values() for kind in name.kinds)
     kinds += Counter(predicate for predicate, *objects in facts if len(objects) == 1)
     alone = frozenset(kind for kind, count in kinds.items() if count == 1)
-    readables = Readables(roles, spelling(task.written_actions), alone, heads_of(names.values()))
+    heads = heads_of(names.values())
+    readables = Readables(every_role, spelling(task.written_actions), alone, heads)
     usual = Sentences(
         parameters,
         templates,

@@ -29,11 +29,18 @@ _IN_FULL = {'nav': 'navigate', 'init': 'initialize'}
 _PREFIXES = word_set('re un pre de dis')
 # Verbs with "-ing" after them: "start-charging", unlike "floor-cleaning".
 PHASES = word_set('start stop begin end finish keep continue resume go')
+# Verbs with "to" and another verb behind whom they are about: "ask-visitor-to-wait".
+_ASKING = word_set(
+    'ask tell remind invite help teach instruct urge encourage advise request allow persuade wait'
+)
 
 
 @dataclass(frozen=True)
 class VerbPhrase:
-    """A verb, and what else the action's name says: "take", ("lift",)."""
+    """A verb, and what else the action's name says: "take", ("lift",).
+
+    What somebody is asked for is one word of it: "ask", ("visitor", "to wait").
+    """
 
     verb: str
     rest: tuple[str, ...]
@@ -50,6 +57,13 @@ def verb_phrase(words: Sequence[str], nouns: Set[str]) -> VerbPhrase:
         return VerbPhrase('do', (first, *rest))
     if first in DIRECTIONS:
         return VerbPhrase('go', (first, *rest))
+    if joins_verbs([first, *rest]):
+        return VerbPhrase(first, tuple(rest))
+    start = rest.index('to') if 'to' in rest[:-1] and first in _ASKING else len(rest)
+    if start < len(rest) and is_verb(rest[start + 1]) and rest[start + 1] not in nouns:
+        ends = (i for i, w in enumerate(rest) if i > start + 1 and w in nouns | PREPOSITIONS)
+        end = next((i for i in ends if rest[i] not in PARTICLES), len(rest))
+        return VerbPhrase(first, (*rest[:start], ' '.join(rest[start:end]), *rest[end:]))
     if rest and first not in PHASES and (verb := infinitive(rest[-1])):
         return VerbPhrase(verb, (first, *rest[:-1]))
     # A verb behind the noun that it is about: "gripper-open". What follows a preposition is none.
@@ -66,6 +80,11 @@ def verb_phrase(words: Sequence[str], nouns: Set[str]) -> VerbPhrase:
     if is_known(first):
         return VerbPhrase('do', (first, *rest))
     return VerbPhrase(first, tuple(rest))
+
+
+def joins_verbs(words: Sequence[str]) -> bool:
+    """Say whether a name begins with two verbs: "dock-and-charge"."""
+    return len(words) > 2 and words[1] == 'and' and is_verb(words[0]) and is_verb(words[2])
 
 
 def is_adverb(word: str) -> bool:

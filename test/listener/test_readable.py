@@ -10,6 +10,7 @@ from mirror_explainer.listener.readable import Readables
 from mirror_explainer.listener.roles import roles_of
 from mirror_explainer.listener.sentences import Sentences, sentences_for
 from mirror_explainer.listener.user_model import UserModel
+from mirror_explainer.listener.wording import Template, Wording
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.progress import StepStatus
 
@@ -158,6 +159,42 @@ SPOKEN = [
     (action('greet', '?c - robot', '(met ?c)'), 'gripper', 'greet the gripper'),
     (action('do-polish', '?t - thing', '(held ?t)'), 'red_mug', 'polish the red Mug'),
     (action('wait-2', '', '(charged)'), '', 'wait 2'),
+    (action('tag-thing-4', '?t - thing', '(pressed ?t)'), 'red_mug', 'tag the red Mug'),
+    (
+        action('ask_visitors_to_leave', '?r - room', '(seen ?r)', '(at ?r)'),
+        'big_hall',
+        'ask the visitors in the big hall to leave',
+    ),
+    (action('help-to-stand-up', '?p - person', '(greeted ?p)'), 'anna', 'help anna to stand up'),
+    (
+        action('remind_person_to_take_thing', '?p - person ?t - thing', '(given ?t ?p)'),
+        'ms_ito red_mug',
+        'remind Ms Ito to take the red Mug',
+    ),
+    (
+        action('wait_for_person_to_pass', '?p - person', '(greeted ?p)'),
+        'nurse',
+        'wait for the nurse to pass',
+    ),
+    (
+        action('tell_person_to_wait_at_gate', '?p - person ?g - gate', '(greeted ?p)(passed ?g)'),
+        'nurse east_gate',
+        'tell the nurse to wait at the east gate',
+    ),
+    # "To bay" is a verb as well.
+    (
+        action('allow_to_bay', '?t - thing ?b - bay', '(stored ?t ?b)'),
+        'red_mug bay_1',
+        'allow the red Mug to bay 1',
+    ),
+    (action('say-goodbye', '?p - person', '(greeted ?p)'), 'nurse', 'say goodbye to the nurse'),
+    (
+        action('call_for_help', '?r - room', '(seen ?r)', '(at ?r)'),
+        'big_hall',
+        'call for help in the big hall',
+    ),
+    (action('film_and_charge', '?f - film', '(charged)'), 'colour', 'film and charge'),
+    (action('charge_and_gate', '?g - gate', '(charged)'), 'east_gate', 'charge and gate'),
     (action('start-charging', '', '(charged)'), '', 'start charging'),
     (action('go_home', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'go home to the big hall'),
     # What somebody has is given, and not they.
@@ -343,6 +380,28 @@ def test_what_the_name_of_an_action_says_its_object_is_stands_before_a_code() ->
         'I will unload BOX A from truck t2 at y2.'
     )
     assert sentences.of('(weigh b1 c)') == 'I will weigh b1 with crane c.'
+
+
+def test_a_code_with_the_kind_of_its_object_needs_no_wider_kind() -> None:
+    domain = (
+        '(define (domain d) (:requirements :strips :typing) (:types brush net - tool)'
+        '(:predicates (held ?t - tool))'
+        '(:action pick-up-tool :parameters (?t - tool) :effect (held ?t)))'
+    )
+    problem = '(define (problem p) (:domain d) (:objects brush-1 b2 - brush) (:goal (and)))'
+    sentences = sentences_for(read_task(domain, problem), NO_TEMPLATES)
+
+    assert sentences.of('(pick-up-tool brush-1)') == 'I will pick up brush 1.'
+    assert sentences.of('(pick-up-tool b2)') == 'I will pick up tool b2.'
+
+
+def test_what_moves_the_robot_tells_of_places_though_the_user_model_has_its_sentence() -> None:
+    task = robot(action('refill_soap', '?r - room', '(seen ?r)', '(at ?r)'), PREDICATES, OBJECTS)
+    walk = Template(Wording("I'll go to {b}."))
+    sentences = sentences_for(task, UserModel((), templates={'walk': walk}))
+
+    assert sentences.of('(walk x big_hall)') == "I'll go to big hall."
+    assert sentences.of('(refill_soap big_hall)') == 'I will refill the soap in the big hall.'
 
 
 BAR = """
