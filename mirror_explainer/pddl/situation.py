@@ -1,7 +1,7 @@
 """Where the robot is: in which episode, and how far; made anew by each of its messages."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property
 
@@ -52,13 +52,14 @@ class Statement:
 class Situation:
     """An episode of the robot, the `number`-th, and how far its plan is.
 
-    `domain` and `problem` are the texts of its task, with the state in which it began;
+    `domain` and `problem` are the texts of its task, with the state in which it began, `task` is
+    that with the state in which it was heard of;
     `reason` is why it began: FIRST, REPLANNED for the same goal, RESTARTED for that and the
     same plan, AGAIN for a goal once it was reached, NEW_TASK, or RESUMED for the goal that was
     `put_off` for a new task before it was reached. A new task is `like_before` where a part of
     its goal was one of the goal before, which was not reached, and was achieved on the way or
     is still to be, or where it is a rest of that. It `is_detour` where the robot put off the goal
-    before in the midst of it.
+    before in the midst of it, also for a rest without what that was for, such as to charge.
     `seen` is the progress that states show, `told` what the robot itself says of it, if it does.
     """
 
@@ -66,6 +67,7 @@ class Situation:
     seen: Progress
     domain: str
     problem: str
+    task: Task = field(repr=False, compare=False)
     number: int = 1
     reason: str = FIRST
     like_before: bool = False
@@ -124,7 +126,7 @@ def situation_of(stated: Statement) -> Situation:
     if episode.first != stated.state:
         problem = with_state(problem, episode.first)
     began = datetime.now().astimezone()
-    return Situation(episode, progress, stated.domain, problem, began=began)
+    return Situation(episode, progress, stated.domain, problem, stated.task, began=began)
 
 
 def next_situation(
@@ -151,7 +153,7 @@ def next_situation(
         )
         if seen is not None:
             return replace(before, seen=seen)
-        like_before = not same_goal and _is_like(before, stated.task, common)
+        like_before = not same_goal and _is_like(before, stated, common)
     new = situation_of(stated)
     put_off, is_detour = before.put_off, False
     if same_goal and before.progress.finished:
@@ -163,7 +165,7 @@ def next_situation(
         reason, put_off, like_before = RESUMED, None, False
     else:
         reason = NEW_TASK
-        if like_before:
+        if like_before and not _is_break(before, stated, common):
             is_detour = before.is_detour
         elif before.is_under_way:
             put_off, is_detour = before.episode.goal, True
@@ -227,7 +229,19 @@ def taken_up_again(
     return replace(situation, told=told and told.without_failures)
 
 
-def _is_like(before: Situation, task: Task, common: Collection[str]) -> bool:
+def _is_break(before: Situation, stated: Statement, common: Collection[str]) -> bool:
+    """Say whether a task has none of what that before was for and still lacks.
+
+    So a robot only goes home and charges in the midst of it.
+    """
+    missing = _missing(before.task, before.episode.first, stated.state)
+    if missing is None:
+        return False
+    purposes = missing[0].difference(common)
+    return purposes.isdisjoint(goal_of(stated.task)) and not purposes.isdisjoint(missing[1])
+
+
+def _is_like(before: Situation, stated: Statement, common: Collection[str]) -> bool:
     """Say whether a task is for a part of a goal that was not reached, or for a rest of that.
 
     Not for what always held; nor for what held when the episode began, such as that the robot is
@@ -235,12 +249,19 @@ def _is_like(before: Situation, task: Task, common: Collection[str]) -> bool:
     """
     if before.progress.finished:
         return False
-    evaluator = Evaluator(task)
-    states = before.episode.first, evaluator.first_state()
-    try:
-        first, now = ({*map(str, missing_goals(task, state, evaluator))} for state in states)
-    except (UnknownNumberError, NotImplementedError):
+    missing = _missing(stated.task, before.episode.first, stated.state)
+    if missing is None:
         return False
+    first, now = missing
     goal = before.episode.goal
-    is_rest = goal_of(task) <= goal and bool(first | now)
+    is_rest = goal_of(stated.task) <= goal and bool(first | now)
     return is_rest or not goal.isdisjoint(first.difference(common))
+
+
+def _missing(task: Task, *states: State) -> list[set[str]] | None:
+    """Return what a task's goal lacks in each of some states, None where that is unknown."""
+    evaluator = Evaluator(task)
+    try:
+        return [{*map(str, missing_goals(task, state, evaluator))} for state in states]
+    except (UnknownNumberError, NotImplementedError):
+        return None

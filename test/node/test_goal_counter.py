@@ -29,7 +29,7 @@ OTHER_GOAL = '(and (holding red_circle) (holding red_circle) (outside bottom_doo
 
 def episode(number: int, reason: str = FIRST) -> Situation:
     """Return what counting looks at of the episode with this number."""
-    return Situation(None, None, '', '', number, reason)
+    return Situation(None, None, '', '', None, number, reason)
 
 
 def counts(counter: GoalCounter, *goals: str, begin: int = 1) -> list[dict[str, int]]:

@@ -226,6 +226,24 @@ def test_that_robots_come_home_makes_no_two_tasks_alike() -> None:
 
 
 @pytest.mark.parametrize('common', [(), ('robot-at(left)',)])
+def test_a_robot_that_comes_home_in_the_midst_of_its_task_goes_back_to_it(
+    common: tuple[str, ...],
+) -> None:
+    robot = Robot(*common)
+    robot.publish(problem=with_goal(CUBE + HOME), plan='\n'.join(FOR_CUBE))
+    robot.publish(progress=told(2, FOR_CUBE))
+    home = robot.publish(
+        problem=with_goal(HOME, PROBLEMS[2]), plan='\n'.join(BACK), progress=told(0, BACK)
+    )
+    robot.publish(progress='\n'.join(f'done: {line}' for line in BACK))
+    robot.passes(5.0)
+    back = robot.publish(problem=with_goal(CUBE + HOME), plan='\n'.join(FOR_CUBE), progress='')
+
+    assert (home.reason, home.like_before, home.is_detour) == ('new task', True, True)
+    assert (back.reason, back.like_before, back.is_detour) == ('resumed', False, False)
+
+
+@pytest.mark.parametrize('common', [(), ('robot-at(left)',)])
 def test_what_all_goals_have_in_common_makes_no_two_of_them_alike(common: tuple[str, ...]) -> None:
     robot = Robot(*common)
     robot.publish(problem=with_goal(CUBE + HOME, PROBLEMS[2]), plan='\n'.join(FOR_CUBE[2:]))
@@ -244,3 +262,4 @@ def test_a_goal_that_loses_what_is_achieved_is_another_plan_up_to_the_way_home()
 
         situation = robot.publish(problem=problem, plan='\n'.join(left))
         assert (situation.reason, situation.like_before) == ('new task', True)
+        assert not situation.is_detour
