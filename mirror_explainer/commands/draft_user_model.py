@@ -105,12 +105,14 @@ def _of_missions(options: argparse.Namespace) -> tuple[str, str]:
     """Return the same for a robot that has lists of tasks, and no PDDL."""
     missions = read_missions(options.tasks)
     settings = settings_from(PlanningSettings, options)
-    known = list(dict.fromkeys(task for each in missions for task in each.tasks))
+    written: dict[str, str] = {}
+    for name in (name for each in missions for name in each.written):
+        written.setdefault(name.lower(), name)
 
     def task_of(mission: Mission) -> Task:
-        return read_task(DOMAIN, problem_text(known, (), goal_text(mission.tasks)))
+        return read_task(DOMAIN, problem_text([*written.values()], (), goal_text(mission.tasks)))
 
-    task, steps = task_of(missions[0]), [*map(action_text, known)]
+    task, steps = task_of(missions[0]), [*map(action_text, written)]
     words = drafted_words(task, steps)
     names = drafted_names(task, words, steps)
     found = [

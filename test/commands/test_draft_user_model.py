@@ -498,6 +498,7 @@ tidy up: Drive to the kitchen, collect the cups, wipe table #3
 
 Bring the tea, boil water, drive to the kitchen
 Tür öffnen
+Remind Ms Ito to drink, GreetTheGuests
 """
 
 
@@ -518,13 +519,14 @@ def test_lists_of_tasks_are_the_candidates_and_the_draft_is_taken_as_it_stands(t
     assert [(goal['name'], goal['probability']) for goal in model['goals']] == [
         ('serve tea', 2.0),  # the third list has the same tasks
         ('tidy up', 1.0),
-        ('tür öffnen', 1.0),
+        ('Tür öffnen', 1.0),
+        ('remind Ms Ito to drink and greet the guests', 1.0),
     ]
     assert model['goals'][1]['goal'] == (
         '(and (done drive_to_the_kitchen) (done collect_the_cups) (done wipe_table_3))'
     )
     assert 'the robot says of "tidy up"\nwith one sentence:\n  I will wipe table 3.' in told.out
-    assert '"tür öffnen" does not begin with an English verb' in told.err
+    assert '"Tür öffnen" does not begin with an English verb' in told.err
     assert capsys.readouterr().out.startswith('I will bring the tea.\n')
 
 

@@ -14,11 +14,19 @@ _EXAMPLE = 'Write a list a line: "serve tea: drive to the kitchen, boil water, b
 
 @dataclass(frozen=True)
 class Mission:
-    """Tasks by their names in PDDL, in order, what they are for ('' if not told), how often."""
+    """Tasks by their names in PDDL, in order, what they are for ('' if not told), how often.
 
-    tasks: tuple[str, ...]
+    The names are in lower case; `written` has them as the file does, "remind_Ms_Ito".
+    """
+
+    written: tuple[str, ...]
     name: str
     count: int
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        """The names."""
+        return tuple(task.lower() for task in self.written)
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -40,7 +48,7 @@ def read_missions(path: str) -> list[Mission]:
     counts: Counter[tuple[str, ...]] = Counter()
     same: dict[frozenset[str], tuple[str, ...]] = {}
     for each in found:
-        tasks = same.setdefault(frozenset(each.tasks), each.tasks)
+        tasks = same.setdefault(frozenset(each.tasks), each.written)
         names[tasks] = names.get(tasks) or each.name
         counts[tasks] += each.count
     return [Mission(tasks, names[tasks], count) for tasks, count in counts.items()]
@@ -56,12 +64,12 @@ def _of_lines(text: str, path: str) -> Iterator[Mission]:
         if not told:
             raise InputError(path, f'"{line}" names no task', number, cure=_EXAMPLE)
         try:
-            yield Mission(tuple(task_name(task).lower() for task in told), name.strip(), 1)
+            yield Mission(tuple(map(task_name, told)), name.strip(), 1)
         except InputError as error:
             raise InputError(path, error.reason, number, cure=_EXAMPLE) from error
 
 
 def _of_goals_seen(path: str) -> list[Mission]:
     counts = read_goals_seen(path).counts
-    lists = {goal: tuple(task.lower() for task in named_tasks(goal)) for goal in counts}
+    lists = {goal: tuple(named_tasks(goal)) for goal in counts}
     return [Mission(lists[goal], '', counts[goal]) for goal in counts if lists[goal]]

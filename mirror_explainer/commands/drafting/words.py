@@ -4,7 +4,9 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from mirror_explainer.listener.english import as_verb_phrase, begins_with_verb
 from mirror_explainer.listener.goal_names import GoalNames
+from mirror_explainer.listener.names import Name
 from mirror_explainer.listener.readable import MANNERS
 from mirror_explainer.listener.sentences import DONE_TYPE, doings, sentences_for
 from mirror_explainer.listener.user_model import UserModel
@@ -38,7 +40,7 @@ def drafted_words(task: Task, plan: Sequence[str]) -> Words:
     default = sentences_for(task, UserModel(goals=()), plan)
     whole = doings(task)
     objects = {
-        name: ' '.join(known.words) if whole and DONE_TYPE in known.kinds else known.called()
+        name: _task_called(known) if whole and DONE_TYPE in known.kinds else known.called()
         for name, known in default.names.items()
         if MANNERS.isdisjoint(known.kinds)  # "in infrared", not "in the infrared"
     }
@@ -55,6 +57,13 @@ def drafted_words(task: Task, plan: Sequence[str]) -> Words:
         {name: text for name, text in sentences.items() if name in unsure},
         {name: _NUMBERED.sub(r'\1 \2', called) for name, called in objects.items()},
     )
+
+
+def _task_called(name: Name) -> str:
+    """Return what a task is called, as it stands after "I will" if it begins with a verb."""
+    called = ' '.join(name.words)
+    phrase = as_verb_phrase(called)
+    return phrase if begins_with_verb(phrase) else called
 
 
 def drafted_names(task: Task, words: Words, plan: Sequence[str]) -> GoalNames:
