@@ -18,7 +18,7 @@ from mirror_explainer.listener.goals import parts_of
 from mirror_explainer.listener.user_model_file import Fault
 from mirror_explainer.listener.wording import plain_name
 from mirror_explainer.pddl import Task, goal_expression
-from mirror_explainer.pddl.expressions import as_text, nested_words
+from mirror_explainer.pddl.expressions import text_conjuncts
 from mirror_explainer.pddl.states import Evaluator
 
 Path = tuple[str | int, ...]
@@ -236,7 +236,7 @@ class Choices:
                 meant = did_you_mean(kind.lower(), self._of_type)
                 raise InputError('for', f'the domain has no type "{kind}"{meant}')
         variables = list(kinds)
-        conditions = _conjuncts(where)
+        conditions = text_conjuncts(where, 'where')
         looked_at = 0
 
         def choose(choice: dict[str, str]) -> Iterator[dict[str, str]]:
@@ -272,17 +272,3 @@ class Choices:
             evaluator = self._evaluator
             self._known[text] = evaluator.holds(expression, evaluator.first_state())
         return self._known[text]
-
-
-def _conjuncts(where: str) -> list[str]:
-    """Return the conditions that are asked for together, each as a text."""
-    if not where.strip():
-        return []
-    try:
-        tree = nested_words(where, 'where')
-    except InputError as error:
-        raise InputError('where', error.reason) from error
-    words = list(tree)
-    if words and str(words[0]).lower() == 'and':
-        return [as_text(part) for part in words[1:]]
-    return [where]

@@ -17,7 +17,7 @@ from mirror_explainer.pddl.text.declarations import OBJECT, Kinds, typed_names
 from mirror_explainer.pddl.text.numerals import number
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, as_text, expression
 
-__all__ = ['Expressions', 'as_text', 'nested_words']
+__all__ = ['Expressions', 'as_text', 'nested_words', 'text_conjuncts']
 
 # What a variable's name stands for: something a quantifier or an action's parameters declare.
 Bound = Mapping[str, 'up.Variable | up.Parameter']
@@ -257,3 +257,19 @@ def arguments(count: int) -> str:
 def nested_words(text: str, source: str) -> Any:
     """Return "(a (b c))" as a tree."""
     return expression(text, source)
+
+
+def text_conjuncts(text: str, source: str) -> list[str]:
+    """Return the conditions that a text asks for together, each as a text."""
+    if not text.strip():
+        return []
+    try:
+        return _joined(nested_words(text, source))
+    except InputError as error:
+        raise InputError(source, error.reason) from error
+
+
+def _joined(tree: Any) -> list[str]:
+    if isinstance(tree, list) and tree and tree[0] == 'and':
+        return [condition for part in tree[1:] for condition in _joined(part)]
+    return [as_text(tree)]

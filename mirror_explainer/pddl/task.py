@@ -59,7 +59,8 @@ class Task:
     What planners for many beliefs cannot use is left out of the texts, `warnings` say
     what. If the task is `relaxed` by that, a belief without a plan may have one in truth.
     Names are in lower case everywhere; `written_objects` and `written_actions` have them as
-    the texts do. `facts_to_come` are those that come true by themselves, and count as true.
+    the texts do. `facts_to_come` are those that come true by themselves, and count as true;
+    `stand_ins` are predicates that stand for types or numbers: the texts do not have them.
     """
 
     domain: str
@@ -74,6 +75,7 @@ class Task:
     written_objects: Mapping[str, str] = field(default_factory=dict, repr=False)
     written_actions: Mapping[str, str] = field(default_factory=dict, repr=False)
     facts_to_come: frozenset[str] = frozenset()
+    stand_ins: frozenset[str] = frozenset()
 
     @cached_property
     def may_need_overlap(self) -> bool:
@@ -136,6 +138,7 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
         problem = problem.with_contents(':init', [*init, *new])
     written_objects = dict(declared.written)
     written_actions = {str(action.name): action.name.written for action in actions}
+    own_predicates = declared.predicates.keys()
     domain, problem, declared, actions = with_plain_types(domain, problem, declared, actions)
     fixed = tuple(_fixed(action, domain.source, left_out) for action in actions)
     written = Parts(domain, problem, fixed)
@@ -168,6 +171,7 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
         written_objects,
         written_actions,
         frozenset(map(as_text, to_come)),
+        frozenset(f.name for f in model.fluents if f.type.is_bool_type()) - own_predicates,
     )
 
 

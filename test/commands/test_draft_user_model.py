@@ -492,6 +492,74 @@ def test_of_a_list_of_tasks_none_is_exchanged_for_another(tmp_path):
     }
 
 
+# A robot that tends plants in beds; what is a plant, or a pot, is told by no type.
+MANY_DOMAIN = """(define (domain beds)
+  (:requirements :strips :typing :adl :derived-predicates)
+  (:types bed plant pot - object)
+  (:predicates (at ?b - bed) (grows ?p - plant ?b - bed) (dry ?x - (either plant pot))
+    (tended ?b - bed) (weeded ?p - plant) (noted ?b - bed))
+  (:derived (tended ?b - bed) (forall (?p - plant) (imply (grows ?p ?b) (not (dry ?p)))))
+  (:action roll :parameters (?a ?b - bed) :precondition (at ?a)
+    :effect (and (not (at ?a)) (at ?b)))
+  (:action sprinkle :parameters (?b - bed) :precondition (at ?b)
+    :effect (forall (?p - plant) (when (grows ?p ?b) (not (dry ?p)))))
+  (:action water :parameters (?x - (either plant pot)) :precondition (dry ?x)
+    :effect (not (dry ?x)))
+  (:action weed :parameters (?p - plant ?b - bed) :precondition (and (at ?b) (grows ?p ?b))
+    :effect (weeded ?p))
+  (:action note :parameters (?b - bed) :precondition (and (at ?b) (tended ?b))
+    :effect (noted ?b)))"""
+PLANTS = [f'plant{number}' for number in range(1, 13)]
+
+
+def many(goal: str, tmp_path: Path) -> list[str]:
+    """Return the options that name the files of the robot of the beds with this goal."""
+    facts = ' '.join(f'(dry {p}) (grows {p} bed{1 + i % 2})' for i, p in enumerate(PLANTS))
+    (tmp_path / 'domain.pddl').write_text(MANY_DOMAIN)
+    (tmp_path / 'problem.pddl').write_text(
+        f'(define (problem p) (:domain beds) (:objects bed1 bed2 bed3 - bed {" ".join(PLANTS)} - '
+        f'plant tub - pot) (:init (at bed3) {facts}) (:goal {goal}))'
+    )
+    return ['--domain', f'{tmp_path}/domain.pddl', '--problem', f'{tmp_path}/problem.pddl']
+
+
+def test_what_a_goal_asks_of_all_of_many_objects_is_one_part_of_a_draft(tmp_path):
+    goal = '(forall (?p - plant) (imply (grows ?p {bed}) (not (dry ?p))))'
+    own = goal.replace('{bed}', 'bed1')
+
+    text, model = drafted(many(f'(and {own} (at bed3))', tmp_path), tmp_path)
+
+    assert {'goal': f'(and {goal} (at bed3))', 'for': {'bed': 'bed'}}.items() <= (
+        model['goals'][0].items()
+    )
+    assert 'not among' not in text
+
+
+def test_of_a_goal_with_many_parts_none_is_left_out_in_a_draft(tmp_path):
+    own = ' '.join(f'(weeded {plant})' for plant in PLANTS[:9])
+
+    text, _ = drafted(many(f'(and {own})', tmp_path), tmp_path)
+
+    assert 'like its own' in text
+    assert ' less: ' not in text
+
+
+def test_what_something_is_by_its_types_is_not_doubted(tmp_path):
+    _, model = drafted(many('(and (not (dry plant1)) (not (dry plant3)))', tmp_path), tmp_path)
+
+    facts = [entry['fact'] for entry in model.get('uncertain_facts') or ()]
+    assert facts
+    assert not [fact for fact in facts if fact.startswith('(is-')]
+
+
+def test_what_is_derived_is_not_asked_for_as_if_it_never_changed(tmp_path):
+    text, model = drafted(many('(at bed1)', tmp_path), tmp_path)
+
+    (noted,) = (goal for goal in model['goals'] if 'noted' in goal['goal'])
+    assert (noted['for'], noted.get('where')) == ({'bed': 'bed'}, None)
+    assert ': 0 goals' not in text
+
+
 LISTS = """# what it does
 serve tea: drive to the kitchen, boil water, bring the tea
 tidy up: Drive to the kitchen, collect the cups, wipe table #3

@@ -10,6 +10,8 @@ from mirror_explainer.commands.drafting.patterns import Pattern, World, kind_of
 MOST_CANDIDATES = 600
 # Of so many goals seen, the most frequent ones, patterns are made.
 MOST_LIFTED = 20
+# Of a goal with more parts than these, a part less is told by the listener's own doubt.
+_MOST_LESSENED = 8
 # How much is expected of goals of nearly the same form, beside those of the same.
 _NEARLY = 0.3
 
@@ -47,7 +49,12 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     frequent = sorted(often, key=lambda parts: (parts != tuple(own), -often[parts]))
     lifted = frequent[: 1 + MOST_LIFTED]
     like = {parts: world.like(parts) for parts in lifted}
-    less = {parts: list(_without_one(world, parts, often if seen else ())) for parts in lifted}
+    less = {
+        parts: list(_without_one(world, parts, often if seen else ()))
+        if len(parts) <= _MOST_LESSENED
+        else []
+        for parts in lifted
+    }
     found: dict[Pattern, tuple[float, str]] = {}
     if seen:
         for parts, count in often.items():

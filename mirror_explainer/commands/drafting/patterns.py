@@ -20,6 +20,7 @@ from mirror_explainer.listener.goals import parts_of
 from mirror_explainer.listener.sentences import DONE_TYPE, doings
 from mirror_explainer.pddl import Task, conjuncts, goal_expression, words_of
 from mirror_explainer.pddl.atoms import effects_in, fluents_in
+from mirror_explainer.pddl.expressions import text_conjuncts
 
 # A pattern with more choices than this is cut into ones with fewer variables.
 MOST_CHOICES = 350
@@ -131,12 +132,13 @@ class World:
 
     @cached_property
     def changing(self) -> frozenset[str]:
-        """The predicates that actions change."""
-        return frozenset(
+        """The predicates that actions change, and those that are derived."""
+        changed = frozenset(
             effect.fluent.fluent().name.lower()
             for action in self.task.model.actions
             for effect in effects_in(action)
         )
+        return changed | (self.task.axioms.names if self.task.axioms else frozenset())
 
     @cached_property
     def static_facts(self) -> frozenset[str]:
@@ -144,9 +146,18 @@ class World:
         return frozenset(f for f in self.task.initial_facts if words_of(f)[0] not in self.changing)
 
     def parts(self, goal: str) -> tuple[str, ...]:
-        """Return a goal's parts as texts; raises InputError for what is no goal here."""
-        expression = goal_expression(self.task.model, goal)
-        return tuple(str(part) for part in parts_of(expression, self.task.model))
+        """Return a goal's parts as texts; raises InputError for what is no goal here.
+
+        What is asked of all of many objects is one part.
+        """
+        model = self.task.model
+        goal_expression(model, goal)  # all of its faults at once
+        parts: list[str] = []
+        for condition in text_conjuncts(goal, 'goal'):
+            ground = parts_of(goal_expression(model, condition), model)
+            is_of_many = len(ground) > _MOST_AT_ONCE
+            parts += [condition] if is_of_many else map(str, ground)
+        return tuple(dict.fromkeys(parts))
 
     def holds(self, part: str) -> bool:
         """Say whether a part of a goal, an atom or its negation, holds initially."""

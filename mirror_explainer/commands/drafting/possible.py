@@ -113,7 +113,7 @@ class Possible:
 
     def _may_be_doubted(self, atom: str) -> bool:
         predicate, *objects = words_of(atom)
-        if predicate in self._aimed_at:
+        if predicate in self._aimed_at | self.world.task.stand_ins:
             return False
         return len(objects) <= 1 or predicate in self.world.changing
 
