@@ -179,7 +179,7 @@ def _unsure(task: Task) -> str:
     """Say why a belief without a plan may have one, "" if it cannot."""
     if task.may_need_overlap:
         return 'its actions may have to overlap'
-    return 'planned for with something left out' if task.relaxed else ''
+    return 'planned for with something left out' if task.loses_plans else ''
 
 
 def way_of(task: Task, robot_plan: RobotPlan, prior: Prior, sentences: Sentences) -> Way:

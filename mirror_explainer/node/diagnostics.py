@@ -11,12 +11,14 @@ from typing import NamedTuple
 
 from mirror_explainer.errors import some_of
 from mirror_explainer.listener.explanation import Explanation
+from mirror_explainer.listener.preparation import Preparation
 from mirror_explainer.node.history import History
 from mirror_explainer.node.inputs import Inputs
 from mirror_explainer.node.moment import Moment
 from mirror_explainer.node.readiness import Phase, Readiness
 from mirror_explainer.node.surroundings import Surroundings
 from mirror_explainer.pddl.progress import StepStatus
+from mirror_explainer.planning import Status
 
 # What is latched has arrived by the time that the node has waited for so long.
 _ARRIVAL_SECONDS = 3.0
@@ -124,9 +126,20 @@ def _what_is_lacking(readiness: Readiness, surroundings: Surroundings) -> Fault 
     why = [f'{covered:.0%} of P(B) within max_beliefs'] if covered < 1.0 - 1e-9 else []
     return Fault(
         f'not for all beliefs: {"; ".join([*why, *preparation.warnings])}',
-        'Raise deadline, planning_timeout or max_beliefs, or let the user model have fewer '
-        'beliefs.',
+        _cure_for_unplanned(preparation),
     )
+
+
+def _cure_for_unplanned(preparation: Preparation) -> str:
+    """Return what makes planning give more: not time, where no plan is no proof."""
+    unknown = {r.reason for r in preparation.results.values() if r.status is Status.UNKNOWN}
+    if preparation.unsure and unknown == {preparation.unsure}:
+        return (
+            'Take out of the user model what the robot cannot do from here, or leave it: time '
+            'does not help.'
+        )
+    raised = 'Raise deadline, planning_timeout or max_beliefs'
+    return f'{raised}, or let the user model have fewer beliefs.'
 
 
 def _what_is_waited_for(readiness: Readiness, surroundings: Surroundings, now: Moment) -> Fault:

@@ -37,6 +37,7 @@ from mirror_explainer.pddl.text.for_planners import texts_for_planners
 from mirror_explainer.pddl.text.left_out import (
     DERIVED_LATER,
     NUMBERS,
+    NUMBERS_IN_EFFECTS,
     OPEN_DURATIONS,
     UNSTEADY,
     LeftOut,
@@ -57,7 +58,8 @@ class Task:
     them, None if there are none.
 
     What planners for many beliefs cannot use is left out of the texts, `warnings` say
-    what. If the task is `relaxed` by that, a belief without a plan may have one in truth.
+    what. A `relaxed` task has other plans by that; if it `loses_plans`, a belief without a plan
+    may have one in truth.
     Names are in lower case everywhere; `written_objects` and `written_actions` have them as
     the texts do. `facts_to_come` are those that come true by themselves, and count as true;
     `stand_ins` are predicates that stand for types or numbers: the texts do not have them.
@@ -72,6 +74,7 @@ class Task:
     axioms: Axioms | None = None
     warnings: tuple[str, ...] = ()
     relaxed: bool = False
+    loses_plans: bool = False
     written_objects: Mapping[str, str] = field(default_factory=dict, repr=False)
     written_actions: Mapping[str, str] = field(default_factory=dict, repr=False)
     facts_to_come: frozenset[str] = frozenset()
@@ -157,7 +160,7 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
     goal = planned.problem.contents(':goal')[0]
     _split_goals(model)
     goals = tuple(model.goals)
-    if NUMBERS in left_out.places:
+    if {NUMBERS, NUMBERS_IN_EFFECTS} & left_out.places.keys():
         goals = tuple(conjuncts(Expressions(model).expression(goal, {})))
     return Task(
         *texts_for_planners(planned, declared),
@@ -168,6 +171,7 @@ def _task(domain: Definition, problem: Definition, stop: Callable[[], None] | No
         axioms,
         left_out.warnings(),
         left_out.relaxed,
+        left_out.loses_plans,
         written_objects,
         written_actions,
         frozenset(map(as_text, to_come)),

@@ -28,7 +28,7 @@ from mirror_explainer.node.surroundings import Others, Surroundings, look_around
 from mirror_explainer.pddl import Task, read_task
 from mirror_explainer.pddl.plan_text import read_plan
 from mirror_explainer.pddl.situation import Statement, situation_of
-from mirror_explainer.planning import Planner
+from mirror_explainer.planning import BeliefPlans, Planner, Status
 
 WAITING = Readiness(
     Phase.WAITING,
@@ -249,6 +249,22 @@ def test_an_explanation_without_all_beliefs_is_a_warning(
     assert 'max_beliefs' in diagnosis.values['what to do']
     # 30 equally probable goals, of which the 10 first, or 9 and the robot's, are taken.
     assert float(diagnosis.values['covered mass']) == pytest.approx(10 / 30, abs=1e-6)
+
+
+def test_of_what_has_no_plan_with_something_left_out_it_is_not_said_that_time_helps(
+    ready: Readiness,
+) -> None:
+    assert ready.preparation is not None
+    *planned, last = ready.preparation.results.items()
+    unsure = 'planned for with something left out'
+    for reason, helps in ((unsure, False), ('no plan within 0.1 s', True)):
+        unplanned = BeliefPlans(Status.UNKNOWN, reason=reason)
+        some = ready.preparation.knowing(dict([*planned, (last[0], unplanned)]))
+
+        diagnosis = seen(replace(ready, preparation=replace(some, unsure=unsure)))
+
+        assert diagnosis.level is Level.WARN
+        assert ('Raise deadline' in diagnosis.values['what to do']) == helps
 
 
 def test_each_input_is_shown_with_its_source_and_age(ready: Readiness, tmp_path: Path) -> None:

@@ -503,7 +503,7 @@ def test_what_cannot_be_planned_with_is_left_out_with_one_warning(
     [warning] = task.warnings
     assert warning.startswith(said)
     assert robot_plan(task, '(charge leia kitchen)\n(move leia kitchen at)').plan.cost == 33.5
-    assert task.relaxed == ('unforeseen' in warning)
+    assert task.loses_plans == ('unforeseen' in warning)
 
 
 def test_a_timed_fact_is_left_out_with_a_warning() -> None:

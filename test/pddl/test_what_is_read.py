@@ -121,6 +121,12 @@ ROWS: dict[str, Example] = {
         2.0,
         'domain, line 9: numbers that change count when the plan of the robot is checked',
     ),
+    'what depends on': plain(
+        {'(and (wet ?b)': '(and (wet ?b) (when (> (water) 2) (full)) (decrease (water) 1)'},
+        {},
+        2.0,
+        'domain, line 10: effects, and derived predicates, that depend on numbers that change',
+    ),
     'numbers that multiply': plain(
         {'(and (wet ?b)': '(and (wet ?b) (assign (water) (* (water) (water)))'},
         {},
@@ -239,9 +245,32 @@ def test_what_the_table_names_is_read_checked_and_planned_for(row: str, example:
 
     assert [w for w in task.warnings if not w.startswith(warning or 'none')] == []
     assert len(task.warnings) == bool(warning)
-    assert task.relaxed == any('unforeseen' in warning for warning in task.warnings)
+    assert task.loses_plans == any('unforeseen' in warning for warning in task.warnings)
     assert robot_plan(task, PLAN).plan.cost == cost
     require_planned(task, cost)
+
+
+@pytest.mark.parametrize(
+    ('change', 'loses'),
+    [
+        ({'(and (at ?b) (full))': '(and (at ?b) (full) (>= (water) 9))'}, False),
+        ({'(and (wet ?b)': '(and (wet ?b) (when (>= (water) 1) (full))'}, True),
+        (
+            {
+                '(wet ?b - bed) (full))': '(wet ?b - bed) (full) (dry))',
+                '(:action go': '(:derived (dry) (<= (water) 0)) (:action go',
+                '(and (at ?b) (full))': '(and (at ?b) (not (dry)))',
+            },
+            True,
+        ),
+    ],
+)
+def test_that_there_is_no_plan_without_conditions_on_numbers_proves_that_there_is_none(
+    change: dict[str, str], loses: bool
+) -> None:
+    domain = changed(DOMAIN, change | {'(at ?b) (not (at ?a))': '(at ?b) (decrease (water) 1)'})
+
+    assert read_task(domain, PROBLEM).loses_plans == loses
 
 
 @pytest.mark.parametrize(('row', 'example'), TIMED_ROWS.items())

@@ -26,7 +26,7 @@ from mirror_explainer.pddl.text.actions import (
 )
 from mirror_explainer.pddl.text.declarations import Kinds
 from mirror_explainer.pddl.text.definition import Definition
-from mirror_explainer.pddl.text.left_out import NUMBERS, LeftOut
+from mirror_explainer.pddl.text.left_out import NUMBERS, NUMBERS_IN_EFFECTS, LeftOut
 from mirror_explainer.pddl.text.tree import Branch, Tree, Word, made, word, words
 
 # A fact that stands for a condition on numbers, by its predicate.
@@ -66,6 +66,8 @@ class _Folder:
         self._left_out = left_out
         self._only = None if only is None else frozenset(only)
         self._kind = kind
+        # A condition that counts as true makes more possible, in an effect it may make less so.
+        self._kind_of_effects = NUMBERS_IN_EFFECTS if kind == NUMBERS else kind
         self._declared: dict[str, Branch] = {}
         self._facts: list[Tree] = []
         self._names: dict[tuple[str, tuple[Kinds, ...]], str] = {}
@@ -132,6 +134,8 @@ class _Folder:
         head = section[1]
         assert isinstance(head, Branch)
         variables = variables_of(head[1:])
+        if self._has_left_out(section[2]):
+            self._left_out.note(self._kind_of_effects, self._domain.source, section)
         return self._condition(section[2], variables, True, self._domain.source)
 
     def _action(self, action: Action) -> Action:
@@ -169,7 +173,7 @@ class _Folder:
             if self._only is None and name != TOTAL_COST:
                 return None
         if any(self._has_left_out(condition) for condition in effect.conditions):
-            self._left_out.note(self._kind, source, effect.change)
+            self._left_out.note(self._kind_of_effects, source, effect.change)
             return None
         conditions = tuple(
             self._condition(condition, variables, True, source) for condition in effect.conditions
@@ -236,7 +240,7 @@ class _Folder:
                     if self._numbers.holds(tree, binding)
                 ]
             except TooManyError:
-                self._left_out.note(self._kind, source, tree)
+                self._left_out.note(self._kind_of_effects, source, tree)
                 return tree.like([word('and', tree)])
             place = self._domain.section(':predicates') or tree
             listed = ' '.join(f'?{i} - {k[0]}' for i, k in enumerate(typed.values()))

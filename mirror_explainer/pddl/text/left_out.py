@@ -33,8 +33,12 @@ DERIVED_LATER = (
     'derived conditions that must hold after the start of an action that changes them are left out'
 )
 NUMBERS = (
-    'numbers that change count when the plan of the robot is checked, and are left out of '
-    "planning for the listener's beliefs"
+    'numbers that change count when the plan of the robot is checked; in planning for the '
+    "listener's beliefs conditions on them count as true"
+)
+NUMBERS_IN_EFFECTS = (
+    'effects, and derived predicates, that depend on numbers that change are left out of planning '
+    "for the listener's beliefs"
 )
 UNSTEADY = 'numbers that multiply or divide what changes are left out'
 METRIC = 'the metric is no sum of what actions cost, so every action counts the same'
@@ -57,6 +61,8 @@ _TRAJECTORY = frozenset(
 )
 # What of these loosens or tightens what can be done, and not only what is best.
 _HARMLESS = frozenset([PREFERENCES, METRIC, METRIC_UNKNOWN, OPEN_DURATIONS, CHANGING_DURATIONS])
+# And what only loosens it, so that there are all plans that there were.
+_LOOSENING = _HARMLESS | {NUMBERS}
 
 
 @dataclass
@@ -84,11 +90,16 @@ class LeftOut:
         """Say whether plans may exist in the task that do not in what was kept, or the reverse."""
         return bool(self.places.keys() - _HARMLESS)
 
+    @property
+    def loses_plans(self) -> bool:
+        """Say whether plans may exist in the task that do not in what was kept."""
+        return bool(self.places.keys() - _LOOSENING)
+
     def warnings(self) -> tuple[str, ...]:
         """Return a line for each kind."""
         return tuple(
             f'{source}, line {line}: {kind}{what and f": {what}"}'
-            f'{"" if kind in _HARMLESS else f"; {_FOLLOWS}"}'
+            f'{"" if kind in _LOOSENING else f"; {_FOLLOWS}"}'
             for kind, (source, line, what) in self.places.items()
         )
 
