@@ -19,6 +19,8 @@ _ARTICLE_LAST = re.compile(r'\b(the|an?)\s+$')
 _ARTICLE_FIRST = re.compile(
     r'(?:the|an?|my|your|his|her|our|their)\s(?!(?:and|or)\b)', re.IGNORECASE
 )
+_TO_LAST = re.compile(r'\sto\s+$')
+_WHERETO = re.compile(r'(?:home|upstairs|downstairs|outside|here|there)(?=$|,| and )')
 _AN = re.compile(r'(?!eu|one?\b|once|uni|us[aeu]|uti)[aeiou]|hour|honest|heir', re.IGNORECASE)
 _SUBJECTS = {'i will': ('I am', 'I have'), "i'll": ("I'm", "I've")}
 _ADVERBS = word_set('then now first next also again soon just still both finally')
@@ -87,11 +89,18 @@ def has_subject(sentence: str) -> bool:
     return bool(_SUBJECT.search(sentence))
 
 
+def has_no_article(name: str) -> bool:
+    """Say whether a name wants no "the": "the cup", "my desk", "home"."""
+    return bool(_ARTICLE_FIRST.match(name) or _WHERETO.match(name))
+
+
 def before_name(text: str, name: str) -> str:
     """Return English text before a name with the article that it wants: "an" before "egg".
 
-    A name with an article, "the cup", takes the place of one before it.
+    A name with an article, "the cup", takes the place of one before it, and "home" of "to".
     """
+    if _WHERETO.match(name):
+        return _TO_LAST.sub(' ', text)
     found = _ARTICLE_LAST.search(text)
     if not found:
         return text

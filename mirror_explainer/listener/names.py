@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from mirror_explainer.listener.english import is_known, word_set
+from mirror_explainer.listener.english import has_no_article, is_known, word_set
 from mirror_explainer.listener.roles import MAYBE_NAMED, PEOPLE, words_in
 from mirror_explainer.pddl import Task
 
@@ -62,7 +62,7 @@ class Name:
             own = {words_in(kind)[-1] for kind in self.kinds}
             known = named or any(_names(word.lower(), kind) for word in words for kind in own)
             return said if known else f'{noun} {said}'
-        if self._is_proper:
+        if self._is_proper or has_no_article(said):
             return said
         wanted = not named and (is_like or (qualified and noun in _QUALIFIED))
         return f'the {said} {noun}' if wanted else f'the {said}'

@@ -183,6 +183,9 @@ def test_a_phrase_may_begin_with_a_verb(phrase: str, is_one: bool) -> None:
         ('I will take the ', 'the red egg', 'I will take the red egg'),
         ('I will take a ', 'my cup', 'I will take my cup'),
         ('I will take ', 'the cup', 'I will take the cup'),
+        ('I will go to ', 'home', 'I will go home'),
+        ('I will go to ', 'home and the hall', 'I will go home and the hall'),
+        ('I will go to ', 'home 2', 'I will go to home 2'),
     ],
 )
 def test_a_name_has_one_article_and_the_right_one(text: str, name: str, together: str) -> None:

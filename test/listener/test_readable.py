@@ -51,7 +51,8 @@ PREDICATES = (
     '(shelved ?t - thing ?s - storey) (aboard ?p - person ?g - gate)'
 )
 OBJECTS = (
-    'big_hall cold-store - room level_0 left - storey red_Mug tin7 - thing bay_1 - bay '
+    'big_hall cold-store upstairs - room level_0 left - storey bay_1 - bay '
+    'red_Mug tin7 my_desk - thing '
     'desk_lamp - lamp full half - level Ms_Ito anna nurse dr_who old_man - person colour - film '
     'east_gate - gate x - room bella - horse vinny gripper - robot'
 )
@@ -332,6 +333,9 @@ SPOKEN = [
     ),
     (action('inform_human', '?p - person', '(greeted ?p)'), 'dr_who', 'inform dr who'),
     (action('greet', '?p - person', '(greeted ?p)'), 'old_man', 'greet the old man'),
+    (action('move', '?a ?b - room', MOVE, '(at ?a)'), 'x upstairs', 'move upstairs'),
+    (action('scan', '?r - room', '(seen ?r)'), 'upstairs', 'scan upstairs'),
+    (action('inspect', '?t - thing', '(held ?t)'), 'my_desk', 'inspect my desk'),
     (action('opengate', '?g - gate', '(passed ?g)'), 'east_gate', 'open the east gate'),
     (action('askcharge', '', '(charged)'), '', 'ask for the charge'),
     (action('re-localize', '', '(charged)'), '', 'relocalize'),
