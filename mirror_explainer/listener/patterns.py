@@ -146,17 +146,22 @@ class _Goals:
         self, entry: Mapping[str, Any], chosen: Sequence[Mapping[str, str]], task: Task
     ) -> list[Any]:
         """Return a goal for each choice that means another one, with equal shares."""
-        goals: dict[Any, dict[str, Any]] = {}
-        called = self._naming(str(entry.get('name')), chosen)
+        meant: dict[Any, Mapping[str, str]] = {}
         for choice in chosen:
-            texts = {'goal': filled(entry['goal'], choice)}
-            if isinstance(entry.get('name'), str):
-                texts['name'] = filled(entry['name'], called(choice))
             try:
-                expression = goal_expression(task.model, texts['goal'])
+                expression = goal_expression(task.model, filled(entry['goal'], choice))
             except InputError as error:
                 raise InputError('goal', error.reason) from error
-            goals.setdefault(frozenset(parts_of(expression, task.model)), {**entry, **texts})
+            meant.setdefault(frozenset(parts_of(expression, task.model)), choice)
+        goals: dict[Any, dict[str, Any]] = {
+            meaning: {**entry, 'goal': filled(entry['goal'], choice)}
+            for meaning, choice in meant.items()
+        }
+        if isinstance(entry.get('name'), str):
+            name = _telling(entry['name'], [*meant.values()])
+            called = self._naming(name, chosen)
+            for meaning, choice in meant.items():
+                goals[meaning]['name'] = filled(name, called(choice))
         weight: Any = entry.get('probability')
         weighted = isinstance(weight, int | float) and not isinstance(weight, bool)
         new = []
@@ -186,6 +191,14 @@ class _Goals:
         names = {filled(name, in_words(choice)) for choice in chosen}
         plain = {filled(name, plainly(choice)) for choice in chosen}
         return in_words if len(names) == len(plain) else plainly
+
+
+def _telling(name: str, chosen: Sequence[Mapping[str, str]]) -> str:
+    """Return a name with the variables that it lacks, where it does not tell choices apart."""
+    lacking = [f'{{{variable}}}' for variable in chosen[0] if f'{{{variable}}}' not in name]
+    if not lacking or len({filled(name, choice) for choice in chosen}) == len(chosen):
+        return name
+    return f'{name} ({", ".join(lacking)})'
 
 
 def _called(objects: Any) -> dict[str, str]:

@@ -91,10 +91,10 @@ def read_user_model(
     source = os.fspath(path)
     root, values = parse_yaml(read(source), source)
     plain = written_out(values, task)
-    data = plain.data
     faults = [*text_faults(root), *plain.faults]
-    if plain.faults:  # the rest of the file speaks of what these stand for
-        raise faults_error(source, faults, root)
+    if plain.faults:  # what patterns stand for is not known: the rest is checked without them
+        plain = written_out(values, None)
+    data = plain.data
     try:
         file: UserModelFile | None = UserModelFile.model_validate(data)
     except ValidationError as error:
@@ -113,6 +113,8 @@ def read_user_model(
         actions = {a.name: tuple(p.name for p in a.parameters) for a in task.model.actions}
         faults += sentence_faults(data, actions, {kind.name for kind in task.model.user_types})
     faults += phrase_text_faults(data)
+    patterns = {(fault.path[0],) for fault in plain.faults}
+    faults = [fault for fault in faults if fault.path not in patterns]  # such as: there are none
     if faults or file is None:
         raise faults_error(source, faults, root)
     return _user_model(file, goals)

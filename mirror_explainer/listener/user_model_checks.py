@@ -81,8 +81,8 @@ def _lines_of(hypotheses: Path, read: Callable[[str], str]) -> Iterator[_Candida
 
 
 def _goal_faults(candidate: _Candidate, task: Task | None) -> Iterator[Fault]:
-    """Find what the domain does not have in a goal."""
-    if task is None:
+    """Find what the domain does not have in a goal that is no pattern."""
+    if task is None or '{' in candidate.text:
         return
     try:
         goal_expression(task.model, candidate.text)
@@ -113,9 +113,12 @@ def _weight_faults(candidates: Sequence[_Candidate]) -> Iterator[Fault]:
 
 
 def fact_faults(data: Mapping[str, Any], task: Task | None) -> Iterator[Fault]:
-    """Find atoms that the domain does not have, atoms named twice, and empty groups."""
+    """Find atoms that the domain does not have, atoms named twice, and empty groups.
+
+    Not of patterns.
+    """
     seen: set[str] = set()
-    for path, atom in atoms(data):
+    for path, atom in ((path, atom) for path, atom in atoms(data) if '{' not in atom):
         if canonical(atom) in seen:
             yield Fault(path, f'{atom} is named more than once')
         seen.add(canonical(atom))

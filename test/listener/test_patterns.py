@@ -1,5 +1,6 @@
 """Entries of the user model that stand for one for each choice of objects."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,36 @@ def test_names_are_worded_as_the_objects_are_called_unless_two_would_sound_alike
 objects: {east: the eastern room, dawn: the picture, dusk: the picture}""")
     names = ['faun in the eastern room', 'faun in west', 'dawn', 'dusk']
     assert [goal.name for goal in model.goals] == names
+
+
+def test_a_name_that_does_not_tell_the_choices_apart_gets_what_it_lacks(read):
+    model = read("""goals:
+      - {goal: "(shown {p} {r})", for: {p: painting, r: room}, name: "show it in {r}"}
+      - {goal: "(and (lit {a}) (lit {b}))", for: {a: room, b: room}, name: light up}
+objects: {dawn: the picture, dusk: the picture}""")
+    assert [goal.name for goal in model.goals] == [
+        'show it in east (dawn)', 'show it in west (dawn)',
+        'show it in east (dusk)', 'show it in west (dusk)',
+        'light up',  # of whatever order of the two rooms
+    ]  # fmt: skip
+
+
+def test_what_is_wrong_with_patterns_is_told_with_the_rest(read):
+    with pytest.raises(InputError) as refused:
+        read("""goals:
+  - {goal: "(shown {t} west)", for: {t: thin}}
+  - {goal: "(shown {s} wset)", for: {s: statue}}
+  - {goal: (lti west)}
+uncertain_facts:
+  - {fact: "(lit {r})", for: {r: room}, probability: 0.5}
+  - {fact: (lti west), probability: 0.5}
+sentences: {show: "I will show {thing}."}
+object: {dawn: the picture}""")
+    lines = re.findall(r'line (\d): (\S+):', refused.value.reason)
+    assert lines == [
+        ('2', 'goals[0].for'), ('3', 'goals[1].goal'), ('4', 'goals[2].goal'),
+        ('7', 'uncertain_facts[1].fact'), ('8', 'sentences.show'), ('9', 'object'),
+    ]  # fmt: skip
 
 
 def test_a_patterns_probability_is_shared_equally(read):
