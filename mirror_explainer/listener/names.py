@@ -92,12 +92,23 @@ def is_code(word: str) -> bool:
     return len(word) == 1 or any(letter.isdigit() for letter in word)
 
 
-def object_names(task: Task) -> dict[str, Name]:
-    """Return the names of the task's objects, by the object in lower case."""
+def object_names(task: Task, stated: Mapping[str, Sequence[str]]) -> dict[str, Name]:
+    """Return the names of the task's objects, by the object in lower case.
+
+    Without types the predicates are kinds that are `stated` of an object, such as (room hall).
+    """
     objects = [(item.name.lower(), item.type) for item in task.model.all_objects]
-    kinds = {kind: _types(kind) for kind in {kind for _, kind in objects}}
+    types = {kind: _types(kind) for kind in {kind for _, kind in objects}}
+    kinds = {n: types[kind] or tuple(stated.get(n, ())) for n, kind in objects}
     written = spelling(task.written_objects)
-    return {n: Name(_words(written.get(n, n)), kinds[kind]) for n, kind in objects}
+    return {n: Name(_parted(_words(written.get(n, n)), kinds[n]), kinds[n]) for n, _ in objects}
+
+
+def _parted(words: tuple[str, ...], kinds: Iterable[str]) -> tuple[str, ...]:
+    """Return the words of a name, for a letter behind its kind both: "room", "a" for "rooma"."""
+    kind, letter = words[0][:-1], words[0][-1]
+    is_lettered = len(words) == 1 and kind in kinds and letter.isalpha()
+    return (kind, letter) if is_lettered and not is_known(words[0]) else words
 
 
 def heads_of(names: Iterable[Name]) -> dict[str, set[str]]:

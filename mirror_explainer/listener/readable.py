@@ -379,7 +379,7 @@ class _Maker:
             if relation in PREPOSITIONS:
                 if verb in _BRINGING and relation in ('at', 'in', 'on'):
                     return 'to'
-                if relation in ('in', 'on') and self.it.is_a(parameter, _ROOMS):
+                if relation in ('at', 'in', 'on') and self.it.is_a(parameter, _ROOMS):
                     return 'in'
                 return 'into' if relation == 'in' and verb in _INTO else relation
         if made and verb == 'serve' and self._is_place(parameter, _TABLES):

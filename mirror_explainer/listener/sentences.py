@@ -200,9 +200,14 @@ def sentences_for(task: Task, user_model: UserModel, plan: Sequence[str] = ()) -
     every_role = roles_of(task)  # where things move tells of places in other sentences, too
     roles = {n: r for n, r in every_role.items() if n not in templates}
     facts = _static_facts(task) if roles else []
-    names = object_names(task)
-    kinds = Counter(kind for name in names.values() for kind in name.kinds)
-    kinds += Counter(predicate for predicate, *objects in facts if len(objects) == 1)
+    stated: dict[str, list[str]] = {}
+    for predicate, *objects in facts:
+        if len(objects) == 1:
+            stated.setdefault(objects[0], []).append(predicate)
+    names = object_names(task, stated)
+    kinds = Counter(
+        kind for item, name in names.items() for kind in {*name.kinds, *stated.get(item, ())}
+    )
     alone = frozenset(kind for kind, count in kinds.items() if count == 1)
     heads = heads_of(names.values())
     readables = Readables(every_role, spelling(task.written_actions), alone, heads)

@@ -381,7 +381,7 @@ def test_what_the_name_of_an_action_says_its_object_is_stands_before_a_code() ->
     )
     assert sentences.of('(load-truck b1 truck1 y2)') == 'I will load b1 into truck1.'
     assert sentences.of('(unload_truck box_a t2 y2)') == (
-        'I will unload BOX A from truck t2 at y2.'
+        'I will unload BOX A from truck t2 in yard y2.'
     )
     assert sentences.of('(weigh b1 c)') == 'I will weigh b1 with crane c.'
 
@@ -490,6 +490,23 @@ def test_what_one_of_several_robots_brings_gets_there_and_not_the_robot() -> Non
     assert sentences.of('(carry vinny tin7 x big_hall)') == (
         'I will carry tin7 to the big hall using vinny.'
     )
+
+
+def test_without_types_what_is_stated_of_an_object_is_its_kind() -> None:
+    home = (
+        '(define (domain home) (:predicates (room ?r) (person ?p) (in ?r) (given ?t ?p))'
+        '(:action go :parameters (?a ?b) :precondition (and (room ?a) (room ?b) (in ?a))'
+        ' :effect (and (not (in ?a)) (in ?b)))'
+        '(:action hand-over :parameters (?t ?p) :precondition (person ?p) :effect (given ?t ?p)))'
+    )
+    problem = (
+        '(define (problem p) (:domain home) (:objects rooma roomb tom cup)'
+        '(:init (room rooma) (room roomb) (person tom) (in rooma)) (:goal (in roomb)))'
+    )
+    sentences = sentences_for(read_task(home, problem), NO_TEMPLATES)
+
+    assert sentences.of('(go rooma roomb)') == 'I will go to room b.'
+    assert sentences.of('(hand-over cup tom)') == 'I will hand over the cup to tom.'
 
 
 LIFTS = """
