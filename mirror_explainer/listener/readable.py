@@ -144,12 +144,13 @@ class Readables:
     def _words(self) -> dict[str, tuple[str, ...]]:
         words = {name: parted(words_in(self.spelling.get(name, name))) for name in self.roles}
 
-        def alike(name: str) -> list[tuple[str, ...]]:
-            made = [atom.predicate for atom in self.roles[name].made]
-            others = ((o, [a.predicate for a in role.made]) for o, role in self.roles.items())
-            return [words[other] for other, theirs in others if made == theirs]
-
-        return {n: without_variant(own, words.values(), alike(n)) for n, own in words.items()}
+        made = {name: tuple(a.predicate for a in role.made) for name, role in self.roles.items()}
+        alike: dict[tuple[str, ...], set[tuple[str, ...]]] = {}
+        for name, own in words.items():
+            alike.setdefault(made[name], set()).add(own)
+        return {
+            n: without_variant(own, words.values(), alike[made[n]]) for n, own in words.items()
+        }
 
     def of(self, action: str, more: int = 0) -> Readable:
         """Return an action's sentence, with `more` parameters than its effects ask for."""

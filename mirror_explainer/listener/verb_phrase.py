@@ -108,7 +108,7 @@ def parted(words: Sequence[str]) -> tuple[str, ...]:
 
 
 def without_variant(
-    words: Sequence[str], others: Iterable[Sequence[str]], alike: Sequence[Sequence[str]] = ()
+    words: Sequence[str], others: Iterable[Sequence[str]], alike: Set[tuple[str, ...]]
 ) -> tuple[str, ...]:
     """Return an action's words without a number or letter that marks it as a variant of another.
 
@@ -117,14 +117,14 @@ def without_variant(
     "photograph-cooled", where there is "photograph".
     """
     plain = tuple(word for word in words if not is_participle(word))
-    if len(plain) < len(words) and plain in set(map(tuple, alike)):
+    if len(plain) < len(words) and plain in alike:
         return plain
-    same = {tuple(map(_unmarked, other)) for other in others if list(other) != list(words)}
     marked = [word for word in words[1:] if _unmarked(word) == '']
-    if len(marked) == 1 and (
-        tuple(map(_unmarked, words)) in same or tuple(filter(_unmarked, words)) in same
-    ):
-        return tuple(filter(_unmarked, words))
+    if len(marked) == 1:
+        same = {tuple(map(_unmarked, other)) for other in others if list(other) != list(words)}
+        unmarked = tuple(filter(_unmarked, words))
+        if tuple(map(_unmarked, words)) in same or unmarked in same:
+            return unmarked
     return tuple(words)
 
 
