@@ -44,12 +44,17 @@ def spoken(
     one more" or "and others"; but that of different tasks promises no more than two sentences
     would. A robot that `is_stuck` promises nothing: "I meant to photograph the lock." for "I
     will …", and no other sentence. After what was left out stands why, if `reasons` have that,
-    by ground action.
+    by ground action: after the last one of those in a row that have the same reason.
     """
     told = [
         _Told(said, step[1], reasons.get(step[0], '') if step[1] is StepStatus.SKIPPED else '')
         for step in steps
         if (said := _worded(sentences, step, is_stuck))
+    ]
+    following = [*(each.why for each in told), ''][1:]
+    told = [
+        each._replace(why='') if each.why == why and not _OF.match(why) else each
+        for each, why in zip(told, following, strict=True)
     ]
     left = [said for step in unsaid if (said := _worded(sentences, step, is_stuck))]
     placed = [*framed([each.said for each in told])]

@@ -167,6 +167,30 @@ def test_a_robot_that_is_stuck_says_with_what() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ('reason', 'text'),
+    [
+        (
+            'it is dark',
+            'I did not photograph the mill.\nI did not photograph the lock.\nIt is dark.\n'
+            'I have waited.\nI did not photograph the bridge.\nIt is dark.',
+        ),
+        (
+            'of the fog',
+            'I did not photograph the mill because of the fog.\n'
+            'I did not photograph the lock because of the fog.\n'
+            'I have waited.\nI did not photograph the bridge because of the fog.',
+        ),
+    ],
+)
+def test_a_reason_of_several_steps_in_a_row_is_told_after_the_last(reason: str, text: str) -> None:
+    steps = [('(shoot mill)', SKIPPED), ('(shoot lock)', SKIPPED)]
+    steps += [('(wait)', DONE), ('(shoot bridge)', SKIPPED)]
+    reasons = {action: reason for action, status in steps if status is SKIPPED}
+
+    assert spoken(sentences(), steps, reasons=reasons) == text
+
+
 def test_tasks_that_have_the_verb_are_told_in_one_breath_in_each_tense() -> None:
     names = ['(do boil_water)', '(do drive_to_the_hall)', '(do wait)']
 
