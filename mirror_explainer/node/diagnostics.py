@@ -159,8 +159,9 @@ def _what_is_waited_for(readiness: Readiness, surroundings: Surroundings, now: M
         return Fault(readiness.message, readiness.cure)
     return Fault(
         f'{readiness.message}; somebody publishes {" and ".join(unheard)}, but nothing was heard',
-        'Let it be published again, or latched (transient local). If that does not help, the '
-        'middleware loses it: start this node again.',
+        'Nothing, if the robot has told none yet. Else let it be published again, or latched '
+        '(transient local). If that does not help, the middleware loses it: start this node '
+        'again.',
     )
 
 

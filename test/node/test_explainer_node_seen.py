@@ -180,7 +180,7 @@ def test_a_plan_that_was_published_too_early_and_not_latched_is_told_so(tmp_path
 
     assert told['message'].endswith('; somebody publishes plan, but nothing was heard')
     assert told['level'] == DiagnosticStatus.WARN
-    assert told['what to do'].startswith('Let it be published again, or latched')
+    assert told['what to do'].startswith('Nothing, if the robot has told none yet. Else ')
 
 
 def test_the_publishers_of_remapped_inputs_are_seen_and_such_as_it_cannot_hear(tmp_path):
