@@ -59,12 +59,12 @@ class GoalNames:
     """Names goals by the sentences of actions.
 
     What the robot's plan does goes first: a step that makes it so, then actions that it has.
-    `called` returns what is said for an object in the sentence of an action.
+    `called` returns what is said for an object in the sentence of an action, in a place of it.
     """
 
     task: Task
     sentences: Mapping[str, str]
-    called: Callable[[str, str], str]
+    called: Callable[[str, str, str], str]
     plan: Sequence[str]
 
     def of(self, goal: Sequence[str]) -> str:
@@ -110,7 +110,7 @@ class GoalNames:
             unnamed = {given[name] for name in given.keys() - named}
             is_whole = named <= given.keys() and len(given) == len(objects)
             if is_own and is_whole and unnamed <= self._alone:
-                said = {name: (self.called(action, given[name]),) for name in named}
+                said = {name: (self.called(action, name, given[name]),) for name in named}
                 return _Phrase(phrase, said)
         return None
 
@@ -142,7 +142,7 @@ class GoalNames:
         parameters = self._parameters[action]
         kinds = {name: self._kinds.get(re.sub(r'\d*\}', '}', of)) for name, of in given.items()}
         return all(
-            kind is None or name not in parameters or kind.is_compatible(parameters[name])
+            kind is None or name not in parameters or parameters[name].is_compatible(kind)
             for name, kind in kinds.items()
         )
 

@@ -109,10 +109,11 @@ class Sentences:
             return self.defaults[name].sentence
         return _by_its_name(name, self.parameters.get(name, ()))
 
-    def called_in(self, name: str, item: str) -> str:
-        """Return what an object is called in the sentence of an action of this name."""
+    def called_in(self, name: str, parameter: str, item: str) -> str:
+        """Return what the object of a parameter is called in the sentence of such an action."""
         if name in self.defaults and name not in self.templates and item not in self.objects:
-            return self.names[item].called()
+            noun = self.defaults[name].nouns.get(parameter, '')
+            return self.names[item].called((), noun, parameter in self.defaults[name].means)
         called = self._plainly(item)
         return as_verb_phrase(called) if verb_parameter(self.usual(name)) else called
 

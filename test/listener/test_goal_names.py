@@ -78,7 +78,8 @@ def called(
 YARD = """
 (define (domain yard)
   (:types place movable - object van parcel - movable)
-  (:predicates (at ?m - movable ?p - place) (in ?x - parcel ?v - van))
+  (:predicates (at ?m - movable ?p - place) (in ?x - parcel ?v - van) (weighed ?m - movable))
+  (:action weigh :parameters (?m - movable) :effect (weighed ?m))
   (:action drive :parameters (?v - van ?a ?b - place) :precondition (at ?v ?a)
     :effect (and (not (at ?v ?a)) (at ?v ?b)))
   (:action swap :parameters (?x ?y - parcel ?v - van ?p - place) :precondition (at ?v ?p)
@@ -95,6 +96,8 @@ YARD = """
         ('(at p1 hall)', 'unload p1 at hall'),
         ('(at {parcel2} {place})', 'swap {parcel2} at {place}'),
         ('(at v1 hall)', 'drive to hall'),
+        ('(weighed p1)', 'weigh p1'),
+        ('(weighed {parcel})', 'weigh {parcel}'),
     ],
 )
 def test_a_goal_is_called_by_an_action_that_takes_such_objects(part: str, name: str) -> None:
@@ -105,8 +108,24 @@ def test_a_goal_is_called_by_an_action_that_takes_such_objects(part: str, name: 
         'drive': Template(Wording('I will drive to {b}.')),
         'swap': Template(Wording('I will swap {x} at {p}.')),
         'unload': Template(Wording('I will unload {x} at {p}.')),
+        'weigh': Template(Wording('I will weigh {m}.')),
     }
     plan = ['(swap p2 p1 v1 lab)', '(unload p1 v1 hall)']
     names = goal_names(task, sentences_for(task, UserModel((), templates=templates)), plan)
 
     assert names.of([part]) == name
+
+
+def test_a_goal_calls_things_what_the_sentence_of_its_action_does() -> None:
+    domain = (
+        '(define (domain roof) (:types mode thing) (:predicates (seen ?t - thing ?m - mode))'
+        '(:action photograph :parameters (?t - thing ?m - mode) :effect (seen ?t ?m)))'
+    )
+    problem = (
+        '(define (problem p) (:domain roof) (:objects ridge - thing infrared - mode)'
+        '(:init) (:goal (seen ridge infrared)))'
+    )
+    task = read_task(domain, problem)
+    names = goal_names(task, sentences_for(task, UserModel(())), ())
+
+    assert names.of(['(seen ridge infrared)']) == 'photograph the ridge in the infrared mode'

@@ -72,4 +72,4 @@ def drafted_names(task: Task, words: Words, plan: Sequence[str]) -> GoalNames:
     called = {item: words.objects.get(item, plain_name(item)) for item in items}
     are_distinct = len({*called.values()}) == len(items)
     sentences = {**words.unsure, **words.sentences} if are_distinct else {}
-    return GoalNames(task, sentences, lambda _, item: called.get(item, item), plan)
+    return GoalNames(task, sentences, lambda _, __, item: called.get(item, item), plan)
