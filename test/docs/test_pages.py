@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from mirror_explainer import explain_files
+
 ROOT = Path(__file__).parents[2]
 WAREHOUSE = ROOT / 'config' / 'warehouse'
 # What the page names beside keys: values, settings, parts of a call.
@@ -33,6 +35,29 @@ def test_the_readmes_example_is_what_the_robot_says():
     understood = [row['understanding'] for row in answer['baselines']]
     likely = [f'*{round(100 * p)} % likely*' for p in (*understood, answer['understanding'])]
     assert ' | '.join(likely) in readme
+
+
+FLEET = """(define (domain fleet) (:requirements :strips :typing) (:types robot area)
+  (:predicates (clean ?a - area))
+  (:action clean :parameters (?robot - robot ?area - area) :effect (clean ?area)))"""
+
+
+def test_a_plan_for_several_robots_says_who_does_what(tmp_path):
+    page = (ROOT / 'docs' / 'user_model.md').read_text()
+    sentences = re.search(r'"I" does not tell who.*?```yaml\n(.*?)```', page, re.DOTALL)[1]
+    goal = '(and (clean gate_b2) (clean gate_a14))'
+    (tmp_path / 'domain.pddl').write_text(FLEET)
+    (tmp_path / 'problem.pddl').write_text(
+        '(define (problem p) (:domain fleet) (:objects buffy shiny - robot '
+        f'gate_A14 gate_B2 - area) (:goal {goal}))'
+    )
+    (tmp_path / 'plan.txt').write_text('(clean shiny gate_b2)\n(clean buffy gate_a14)')
+    (tmp_path / 'user.yaml').write_text(f'goals: [{{goal: {goal}}}]\n{sentences}')
+    texts = (tmp_path / 'domain.pddl', tmp_path / 'problem.pddl', tmp_path / 'plan.txt')
+
+    spoken = explain_files(*texts, user_model=tmp_path / 'user.yaml').spoken
+
+    assert spoken == 'Shiny will clean gate B2.\nI will clean gate A14.'
 
 
 def test_each_key_of_the_answer_is_explained():
