@@ -413,7 +413,7 @@ def test_the_demo_from_first_to_last_step_and_again_asks_by_itself_and_nothing_j
         for page in (wide, narrow):
             expect(answer(page)).to_have_text(SENTENCES)
         expect(again).to_have_count(0)
-        with shared.robot(step_period=0.3):
+        with shared.robot(step_period=0.5):
             expect(again).to_be_visible()
             expect(wide.locator('#timeline li.done')).to_have_count(10)
             last = wide.locator('#timeline .step > span:visible').last
