@@ -298,13 +298,18 @@ def test_two_browsers_show_the_same_answer_and_both_can_ask(chromium, operator, 
         expect(answer(other)).to_have_text(SENTENCES[:1])
 
 
-def test_the_page_fits_every_screen_also_at_200_percent_with_names_of_any_kind(operator, shared):
+def explained(page: Page, shared: Stack) -> dict:
+    """Ask on the page, with all the details, and return the explainer's explanation."""
     explanations = shared.peer.hear('mirror_explainer/explanation')
-    press(operator)
-    more(operator)
+    press(page)
+    more(page)
     # Other tests, too, publish on this topic.
     eventually(lambda: any('"plan"' in text for text in explanations[-1:]), 'the explanation')
-    told = json.loads(explanations[-1])
+    return json.loads(explanations[-1])
+
+
+def test_the_page_fits_every_screen_also_at_200_percent_with_names_of_any_kind(operator, shared):
+    told = explained(operator, shared)
     arabic = 'سأحمل الصندوق إلى الغرفة الزرقاء.'
     names = ['箱を青い部屋へ届ける。' * 4, arabic, '<b>b</b>' * 12, 'x' * 90]
     told['spoken'] = '\n'.join(names)
@@ -326,11 +331,7 @@ def test_the_page_fits_every_screen_also_at_200_percent_with_names_of_any_kind(o
 
 
 def test_goals_and_their_parts_are_shown_in_words(operator, shared):
-    explanations = shared.peer.hear('mirror_explainer/explanation')
-    press(operator)
-    more(operator)
-    eventually(lambda: explanations, 'the explanation')
-    told = json.loads(explanations[-1])
+    told = explained(operator, shared)
     told['true_goal'] = told['goals'][0]['name'] = '(and (holding cup) (at home))'
     told['unmentioned'] = ['(at home)', '(lit lamp)']
     told['in_words'] = {told['true_goal']: 'take the cup and go home', '(at home)': 'go home'}
