@@ -192,6 +192,9 @@ def _without_others(phrase: str, arguments: Sequence[str]) -> str:
     """Return a phrase without "from {p}" and the like where {p} is none of these parameters."""
     for _, name in parts(phrase):
         if name and name not in arguments:
-            others = '|'.join(sorted(PREPOSITIONS))
-            phrase = re.sub(rf' (?:{others}) \{{{re.escape(name)}\}}', '', phrase)
+            place = rf'\{{{re.escape(name)}\}}'
+            # "With the cream and the cherry" without the cream is "with the cherry".
+            phrase = re.sub(rf'{place} and (?=\{{)', '', phrase)
+            others = '|'.join(sorted({*PREPOSITIONS, 'and'}))
+            phrase = re.sub(rf' (?:{others}) {place}', '', phrase)
     return phrase

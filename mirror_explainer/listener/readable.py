@@ -76,6 +76,8 @@ _THROUGH = word_set('exit leave enter pass')
 _BUILDING = word_set('build construct install erect set')
 # What is done into, or from, a thing of the action's name is done to something: "tip-into-press".
 _TO_WHERE = word_set('into onto from in on with')
+# Two objects behind one of these share it: "with the cup and the plate".
+_SHARED = word_set('with for from using')
 # What follows these is said of an object as it is: "mark-as-done", "wait-until-dry".
 _CLAUSES = word_set('as until while')
 _STATES = word_set('let keep')
@@ -204,14 +206,22 @@ class _Maker:
         extra = others[: max(0, more - (len(said) - min(len(said), _MOST)))]
         said = {p: word for p, word in said.items() if p in kept}
         said |= {p: self._joining(p, direct) for p in extra}
-        places = [f'{word} {{{p}}}'.strip() for p, word in said.items()]
+        before = ['', *said.values()]
+        joined = [
+            'and' if word in _SHARED and word == earlier else word
+            for earlier, word in zip(before, said.values(), strict=False)
+        ]
+        words = start.words
+        if words[-1] == 'in' and joined[:1] == ['to']:
+            words, joined = words[:-1], ['into', *joined[1:]]
+        places = [f'{word} {{{p}}}'.strip() for p, word in zip(said, joined, strict=True)]
         if start.after:
             places.insert(min(1, len(places)), start.after)
         means = [p for p, word in said.items() if word in ('with', 'in')]
         kinds = {p: ' '.join(words_in(k[0])) for p in means if (k := self.it.roles.kinds[p])}
         kinds = {p: kind for p, kind in kinds.items() if kind not in VAGUE}
         mover = {objects[0]: start.names} if start.names else {}
-        sentence = f'I will {" ".join([*start.words, *places])}.'
+        sentence = f'I will {" ".join([*words, *places])}.'
         return Readable(sentence, mover | self.it.kind_nouns | kinds, frozenset(kinds))
 
     def _kept(self, said: Sequence[str], direct: Sequence[str], more: int) -> set[str]:

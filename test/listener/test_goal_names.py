@@ -78,7 +78,9 @@ def called(
 YARD = """
 (define (domain yard)
   (:types place movable - object van parcel - movable)
-  (:predicates (at ?m - movable ?p - place) (in ?x - parcel ?v - van) (weighed ?m - movable))
+  (:predicates (at ?m - movable ?p - place) (in ?x - parcel ?v - van) (weighed ?m - movable)
+    (marked ?m - movable) (seen ?m - movable ?p - place))
+  (:action label :parameters (?m ?n - movable ?p - place) :effect (and (marked ?m) (seen ?n ?p)))
   (:action weigh :parameters (?m - movable) :effect (weighed ?m))
   (:action drive :parameters (?v - van ?a ?b - place) :precondition (at ?v ?a)
     :effect (and (not (at ?v ?a)) (at ?v ?b)))
@@ -97,6 +99,7 @@ YARD = """
         ('(at {parcel2} {place})', 'swap {parcel2} at {place}'),
         ('(at v1 hall)', 'drive to hall'),
         ('(weighed p1)', 'weigh p1'),
+        ('(marked p1)', 'label p1'),
         ('(weighed {parcel})', 'weigh {parcel}'),
     ],
 )
@@ -108,6 +111,7 @@ def test_a_goal_is_called_by_an_action_that_takes_such_objects(part: str, name: 
         'drive': Template(Wording('I will drive to {b}.')),
         'swap': Template(Wording('I will swap {x} at {p}.')),
         'unload': Template(Wording('I will unload {x} at {p}.')),
+        'label': Template(Wording('I will label {m} with {n} and {p}.')),
         'weigh': Template(Wording('I will weigh {m}.')),
     }
     plan = ['(swap p2 p1 v1 lab)', '(unload p1 v1 hall)']

@@ -48,6 +48,7 @@ PREDICATES = (
     '(passed ?g - gate) (seen ?r - room) (gate-open ?a ?b - room) (fed ?h - horse)'
     '(filled ?b - bay ?t - thing) (pressed ?t - thing) (met ?c - robot)'
     '(has ?p - person ?t - thing) (in-there ?t - thing ?r - room) (in-mug ?t ?u - thing)'
+    '(adorned ?t ?u - thing ?f - film)'
     '(shelved ?t - thing ?s - storey) (aboard ?p - person ?g - gate)'
 )
 OBJECTS = (
@@ -298,6 +299,12 @@ SPOKEN = [
     (action('ask_charge', '', '(charged)'), '', 'ask for the charge'),
     (action('say_hello', '?p - person', '(greeted ?p)'), 'anna', 'say hello to anna'),
     (action('stay_idle', '', '(charged)'), '', 'stay idle'),
+    (
+        action('decorate', '?t ?u - thing ?f - film', '(adorned ?t ?u ?f)'),
+        'tin7 red_mug colour',
+        'decorate tin7 with the red Mug and the colour film',
+    ),
+    (action('go-in', '?a ?b - room', MOVE, '(at ?a)'), 'x big_hall', 'go into the big hall'),
     # What the name calls the object the object's own name says, too: a tin is no other tin.
     (action('inspect-tin', '?t - thing', '(held ?t)'), 'tin7', 'inspect tin7'),
     (
