@@ -117,6 +117,7 @@ class Essentials:
                 self._in(atom for atom in undone if not atom.about_use)
                 or self._in(made)
                 or self._in(undone)
+                or self._in(self.roles.measured)
             )
         order = self.roles.parameters.index
         for named in self.nouns:

@@ -7,7 +7,7 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import unified_planning.model as up
@@ -76,6 +76,7 @@ class Roles:
 
     `kinds` are the nouns for each parameter: its type and those above it, or, without types,
     the predicates that say what it is. `agents` are parameters for who acts: the robot.
+    `measured` are the numbers that it changes.
     """
 
     name: str
@@ -83,6 +84,7 @@ class Roles:
     needed: tuple[Atom, ...]
     made: tuple[Atom, ...]
     undone: tuple[Atom, ...]
+    measured: tuple[Atom, ...] = ()
     agents: tuple[str, ...] = ()
 
     @property
@@ -115,13 +117,9 @@ def roles_of(task: Task) -> dict[str, Roles]:
     roles = {action.name: _roles(action, static) for action in task.model.actions}
     acting = _acting_kinds(roles)
     return {
-        name: Roles(
-            role.name,
-            role.kinds,
-            role.needed,
-            role.made,
-            role.undone,
-            tuple(p for p, kinds in role.kinds.items() if not acting.isdisjoint(kinds)),
+        name: replace(
+            role,
+            agents=tuple(p for p, kinds in role.kinds.items() if not acting.isdisjoint(kinds)),
         )
         for name, role in roles.items()
     }
@@ -147,7 +145,8 @@ def _roles(action: up.InstantaneousAction, static: set[str]) -> Roles:
     made = tuple(_atom(e.fluent) for e in effects if e.value.is_true())
     undone = tuple(a for e in effects if e.value.is_false() and (a := _atom(e.fluent)) not in made)
     made, undone = _owned(made, undone, kinds), _owned(undone, made, kinds)
-    return Roles(action.name, kinds, needed, made, undone)
+    measured = tuple(_atom(e.fluent) for e in action.effects if not e.fluent.type.is_bool_type())
+    return Roles(action.name, kinds, needed, made, undone, measured)
 
 
 def _atom(expression: up.FNode) -> Atom:

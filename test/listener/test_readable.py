@@ -393,6 +393,24 @@ def test_what_the_name_of_an_action_says_its_object_is_stands_before_a_code() ->
     assert sentences.of('(weigh b1 c)') == 'I will weigh b1 with crane c.'
 
 
+def test_what_an_action_changes_the_number_of_is_said() -> None:
+    domain = (
+        '(define (domain d) (:requirements :typing :numeric-fluents) (:types trough robot)'
+        '(:predicates (ready)) (:functions (level ?t - trough) (charge ?r - robot))'
+        '(:action top-up :parameters (?r - robot ?t - trough) :precondition (ready)'
+        ' :effect (and (increase (level ?t) 20) (decrease (charge ?r) 1)))'
+        '(:action rest :parameters (?r - robot) :effect (increase (charge ?r) 9)))'
+    )
+    problem = (
+        '(define (problem p) (:domain d) (:objects trough-2 - trough r - robot)'
+        '(:init (= (level trough-2) 0) (= (charge r) 5)) (:goal (and)))'
+    )
+    sentences = sentences_for(read_task(domain, problem), NO_TEMPLATES)
+
+    assert sentences.of('(top-up r trough-2)') == 'I will top up trough 2.'
+    assert sentences.of('(rest r)') == 'I will rest.'
+
+
 def test_a_code_with_the_kind_of_its_object_needs_no_wider_kind() -> None:
     domain = (
         '(define (domain d) (:requirements :strips :typing) (:types brush net - tool)'
