@@ -33,7 +33,9 @@ from mirror_explainer.node.start import parsed
 
 MANY = QoSProfile(depth=1000)  # one message an action and second, all at once
 PERIOD = 0.1  # s between two looks at what is to be asked and told
-PAUSE = 1.0  # s until a call that was refused is made again
+PAUSE = (
+    1.0  # s until a call that was refused is made again, or a new client has to know its service
+)
 GRACE = 0.3  # s from a plan's end until the last states of its actions have come as well
 PATIENCE = 3.0  # s until a call that gets no reply is made again
 UNDER_WAY = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
@@ -211,7 +213,7 @@ class _Service:
     def __init__(
         self, node: Node, kind: Any, name: str, field: str, on_text: Callable[[str], None]
     ) -> None:
-        self._request = kind.Request
+        self._node, self._kind, self._name = node, kind, name
         self._client = node.create_client(kind, name)
         self._field = field
         self._on_text = on_text
@@ -237,17 +239,29 @@ class _Service:
         ready = self._client.service_is_ready()
         if ready != self._ready:
             self._ready, self._wanted = ready, True
-        if not ready:
-            self._warn(f'{self._client.srv_name} is not there. Is PlanSys2 running?')
         now = time.monotonic()
+        if not ready and now >= self._not_before:
+            self._warn(f'{self._client.srv_name} is not there. Is PlanSys2 running?')
         if self._call is not None and (not ready or now > self._deadline):
-            self._client.remove_pending_request(self._call)
-            self._call, self._wanted = None, True
+            if ready:
+                self._warn(f'{self._client.srv_name} gives no reply.')
+            self._begin_anew(now)
+            return
         if ready and self._wanted and self._call is None and now >= self._not_before:
             self._wanted = False
             self._deadline = now + PATIENCE
-            self._call = self._client.call_async(self._request())
+            self._call = self._client.call_async(self._kind.Request())
             self._call.add_done_callback(self._on_reply)
+
+    def _begin_anew(self, now: float) -> None:
+        """Give the call up, and make the next one as a new client.
+
+        One that the service has not found, though it has found the service, never gets a reply.
+        """
+        self._call, self._ready, self._wanted = None, False, True
+        self._node.destroy_client(self._client)
+        self._client = self._node.create_client(self._kind, self._name)
+        self._not_before = now + PAUSE  # until it is found
 
     def _on_reply(self, call: Any) -> None:
         if call is not self._call:

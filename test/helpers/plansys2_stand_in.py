@@ -14,6 +14,7 @@ acknowledged on stdout once it has happened.
 import json
 import sys
 import threading
+import time
 
 import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
@@ -60,7 +61,7 @@ class Plansys2(Node):
 
         `activate`; `execute`; `start K` and `end K` an action; `fail K` it, which ends the
         plan; `cancel`; `finish`; `repeat` the plan's message; `states`; `add FACT`; `plan JSON`,
-        other steps; `goal TEXT`.
+        other steps; `goal TEXT`; `hang S` seconds after a change.
         """
         command, _, rest = line.strip().partition(' ')
         match command:
@@ -96,6 +97,9 @@ class Plansys2(Node):
             case 'goal':
                 self._task.goal = rest
                 self._change({})
+            case 'hang':
+                self._change({})
+                time.sleep(float(rest))
             case _:
                 raise ValueError(line)
 

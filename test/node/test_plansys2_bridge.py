@@ -109,6 +109,17 @@ def test_plansys2_may_start_after_the_bridge_and_be_activated_later(peer, heard,
             heard.waits_for_fact('(at_bed c1 gate)')
 
 
+def test_a_plansys2_that_hangs_is_told_and_asked_again(peer, heard, tmp_path):
+    with plansys2(peer, tmp_path, greenhouse().json()) as robot, bridge(peer, tmp_path) as process:
+        heard.waits_for_fact('(at_bed c1 gate)')
+        robot.do('hang 6')
+        assert 'get_problem gives no reply' in process.log
+        robot.do('add (at_bed c2 herbs)')
+        heard.waits_for_fact('(at_bed c2 herbs)')
+        eventually(lambda: 'get_problem gives the problem' in process.log, 'that it is well')
+        assert 'is not there' not in process.log.split('gives no reply')[1]
+
+
 def test_a_plan_is_withdrawn_when_plansys2_ends_and_a_new_one_is_told(peer, heard, tmp_path):
     task = greenhouse()
     with bridge(peer, tmp_path):
