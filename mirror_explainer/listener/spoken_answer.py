@@ -54,8 +54,20 @@ class SpokenAnswer:
 
     @property
     def _chosen(self) -> set[int]:
-        """The positions that are said, and those that were left out for a reason."""
-        return {*self.positions, *self.preparation.excused}
+        """The positions that are said, and those that were left out for a reason.
+
+        What is going on stands for what has the same sentence: "I am topping up the trough."
+        says it of both times.
+        """
+        observations = self.preparation.way.sentences
+        going_on = {observations[p]: p for p in reversed(self._going_on)}
+        said = (going_on.get(observations[p], p) for p in self.positions)
+        return {*said, *self.preparation.excused}
+
+    @cached_property
+    def _going_on(self) -> list[int]:
+        statuses = self.preparation.statuses
+        return [p for p, status in enumerate(statuses) if status is StepStatus.RUNNING]
 
     @cached_property
     def _told(self) -> list[int]:
@@ -85,17 +97,14 @@ class SpokenAnswer:
         """What is going on, where nothing of it was chosen: ends, and means in the room for them.
 
         At most `n` ends; of means as many as sentences of what was chosen are fewer than `n`, and
-        one where all that is over, or something failed. What is said as something chosen, in one
-        tense for both, is not said again.
+        one where all that is over, or something failed.
         """
         chosen, statuses = sorted(self._chosen), self.preparation.statuses
-        going_on = [p for p, status in enumerate(statuses) if status is StepStatus.RUNNING]
-        if not self._chosen.isdisjoint(going_on):
+        if not self._chosen.isdisjoint(self._going_on):
             return []
         sentences = self.preparation.sentences
-        said = {sentences.said(*step) for step in self._steps(chosen)}
-        texts = {sentences.said(*self._steps([p])[0]): p for p in reversed(going_on)}
-        seen = sorted(p for text, p in texts.items() if text not in said)
+        texts = {sentences.said(*self._steps([p])[0]): p for p in reversed(self._going_on)}
+        seen = sorted(texts.values())
         ends = [p for p in seen if p in self.unsaid_ends][: self.n]
         lines = spoken(sentences, self._steps(chosen)).splitlines()
         is_past = all(statuses[p].is_over for p in chosen)
