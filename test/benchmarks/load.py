@@ -160,7 +160,7 @@ def streams(scene: Scene, rates: Sequence[float], seconds: float) -> Iterator[Ro
             'prepared': scene.prepared() - before,
             'calls': len(calls.answers) + calls.lost,
             'right': verdict.right,
-            'not ready': verdict.not_ready,
+            'not ready': verdict.not_ready + verdict.under_way,
             'lost': verdict.lost,
             'wrong': verdict.wrong,
             'stale': verdict.stale,

@@ -138,6 +138,7 @@ def main() -> int:
         'calls': sum(verdict.calls for verdict in verdicts),
         'right': sum(verdict.right for verdict in verdicts),
         'not ready': sum(verdict.not_ready for verdict in verdicts),
+        'refused while under way': sum(verdict.under_way for verdict in verdicts),
         'lost, wrong or stale': sum(verdict.faults for verdict in verdicts),
     }
     print('\n' + ', '.join(f'{what}: {count}' for what, count in counts.items()))

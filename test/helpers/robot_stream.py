@@ -15,6 +15,8 @@ from std_msgs.msg import String
 from mirror_explainer.listener.phrases import Phrases
 
 NOT_READY = Phrases.not_ready
+# So long after its halves came the node believes that they do not fit.
+_BELIEVED = 0.5
 
 
 @dataclass(frozen=True)
@@ -64,16 +66,19 @@ class RobotStream:
 
 @dataclass(frozen=True)
 class Verdict:
-    """How many calls got what. Only the first two are no faults.
+    """How many calls got what. Only the first three are no faults.
 
     `right`: the right answer to an update that was the robot's newest at some
-    time during the call. `not_ready`: a refusal that says so. `stale`: the answer
+    time during the call. `not_ready`: a refusal that says so. `under_way`: another refusal, while
+    the middleware took over half a second with an update, so that the node may have known half
+    of it. `stale`: the answer
     to an update when a newer one had been heard before the call began. `wrong`:
     anything else. `lost`: no answer at all.
     """
 
     right: int = 0
     not_ready: int = 0
+    under_way: int = 0
     stale: int = 0
     wrong: int = 0
     lost: int = 0
@@ -82,7 +87,7 @@ class Verdict:
     @property
     def calls(self) -> int:
         """How many calls there were."""
-        return self.right + self.not_ready + self.faults
+        return self.right + self.not_ready + self.under_way + self.faults
 
     @property
     def faults(self) -> int:
@@ -92,7 +97,8 @@ class Verdict:
 
 def judge(calls: Calls, times: Times, right: RightAnswers) -> Verdict:
     """Check each answer against the updates that it could have been made from."""
-    found: dict[str, list[Answer]] = {'right': [], 'not_ready': [], 'stale': [], 'wrong': []}
+    kinds = ('right', 'not_ready', 'under_way', 'stale', 'wrong')
+    found: dict[str, list[Answer]] = {kind: [] for kind in kinds}
     for answer in calls.answers:
         found[_kind(answer, times, right)].append(answer)
     return Verdict(
@@ -104,13 +110,24 @@ def judge(calls: Calls, times: Times, right: RightAnswers) -> Verdict:
 
 def _kind(answer: Answer, times: Times, right: RightAnswers) -> str:
     if not answer.success:
-        return 'not_ready' if answer.message == NOT_READY else 'wrong'
+        if answer.message == NOT_READY:
+            return 'not_ready'
+        return 'under_way' if _is_under_way(answer, times) else 'wrong'
     number = number_in(answer.message)
     surely_heard = bisect.bisect_right(times.heard, answer.began) - 1
     newest = bisect.bisect_right(times.published, answer.ended) - 1
     if number is None or number > newest or not right.are(answer.message, number):
         return 'wrong'
     return 'right' if number >= surely_heard else 'stale'
+
+
+def _is_under_way(answer: Answer, times: Times) -> bool:
+    """Say whether an update was for too long on its way at some time during the call."""
+    return any(
+        published < answer.ended and heard > answer.began
+        for published, heard in zip(times.published, times.heard, strict=False)
+        if heard - published > _BELIEVED
+    )
 
 
 def _firsts(*kinds: list[Answer]) -> Iterable[Answer]:

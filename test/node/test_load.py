@@ -91,6 +91,8 @@ def test_other_words_are_wrong_and_refusals_are_told_from_faults():
         Answer(15.0, 16.0, True, 'I will grab parcel 000001 and run.'),
         Answer(15.0, 16.0, False, 'the plan does not reach the goal'),
         Answer(15.0, 16.0, False, NOT_READY),
+        Answer(10.5, 10.9, False, 'the plan does not reach the goal'),  # its half may be known
     ]
     found = judge(Calls(answers, lost=3), TIMES, RIGHT)
     assert (found.wrong, found.not_ready, found.lost, found.faults) == (2, 1, 3, 5)
+    assert found.under_way == 1
