@@ -91,8 +91,18 @@ class GoalNames:
         """What each form of a phrase stands for: the first literal that is named so."""
         return {}
 
+    @cached_property
+    def _found(self) -> dict[str, '_Phrase | None']:
+        """The phrases by parts: goals share these, and each answer names the goals anew."""
+        return {}
+
     def _phrase(self, part: str) -> '_Phrase | None':
         """Return what brings a part about, None if no sentence says just that."""
+        if part not in self._found:
+            self._found[part] = self._find(part)
+        return self._found[part]
+
+    def _find(self, part: str) -> '_Phrase | None':
         literal = _LITERAL.fullmatch(part)
         if not literal:
             return None
