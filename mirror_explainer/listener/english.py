@@ -106,9 +106,12 @@ def before_name(text: str, name: str) -> str:
         return text
     if _ARTICLE_FIRST.match(name):
         return text[: found.start()]
-    if found[1] == 'the':
-        return text
-    return f'{text[: found.start()]}{"an" if _AN.match(name) else "a"} '
+    return text if found[1] == 'the' else f'{text[: found.start()]}{indefinite(name)} '
+
+
+def indefinite(name: str) -> str:
+    """Return "a" or "an", as a name wants it."""
+    return 'an' if _AN.match(name) else 'a'
 
 
 @cache

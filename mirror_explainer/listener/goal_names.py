@@ -7,10 +7,9 @@ from functools import cached_property
 
 import unified_planning.model as up
 
-from mirror_explainer.listener.english import before_name
-from mirror_explainer.listener.sentences import Sentences
+from mirror_explainer.listener.sentences import Sentences, with_names
 from mirror_explainer.listener.verb_phrase import PREPOSITIONS
-from mirror_explainer.listener.wording import parts
+from mirror_explainer.listener.wording import listed, parts
 from mirror_explainer.pddl import Task, words_of
 from mirror_explainer.pddl.atoms import effects_in
 
@@ -26,11 +25,7 @@ class _Phrase:
     called: Mapping[str, tuple[str, ...]]
 
     def __str__(self) -> str:
-        told = ''
-        for text, name in parts(self.text):
-            things = _listed(self.called[name]) if name else ''
-            told += before_name(text, things) + things if name else text
-        return told
+        return with_names(self.text, {p: listed(things) for p, things in self.called.items()})
 
     @property
     def together(self) -> set[str]:
@@ -46,12 +41,6 @@ class _Phrase:
             return None
         [name] = differing
         return _Phrase(self.text, {**self.called, name: self.called[name] + other.called[name]})
-
-
-def _listed(things: Sequence[str]) -> str:
-    """Return things as a list in a sentence: "a, b and c"."""
-    *first, last = things
-    return f'{", ".join(first)} and {last}' if first else last
 
 
 @dataclass(frozen=True)
@@ -84,7 +73,7 @@ class GoalNames:
         told = [str(phrase) for phrase in phrases]
         if len(told) > 1 and any(phrase.together for phrase in phrases):
             return f'{", ".join(told[:-1])}, and {told[-1]}'
-        return _listed(told) if told else ''
+        return listed(told) if told else ''
 
     @cached_property
     def _meant(self) -> dict[str, tuple[str, bool]]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from mirror_explainer.listener.english import infinitive, word_set
+from mirror_explainer.listener.english import indefinite, infinitive, word_set
 from mirror_explainer.listener.essentials import (
     DISPENSING,
     DOORS,
@@ -426,6 +426,4 @@ class _Maker:
 
 def _article(noun: str) -> str:
     """Return "a" for what there is more of with every step, such as pictures, else "the"."""
-    if noun in PICTURES:
-        return 'an' if noun[0] in 'aeiou' else 'a'
-    return 'the'
+    return indefinite(noun) if noun in PICTURES else 'the'

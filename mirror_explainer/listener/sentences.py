@@ -49,12 +49,8 @@ class Said:
     @property
     def sentence(self) -> str:
         """The sentence, on one line."""
-        is_english = has_subject(self.text)
-        said = []
-        for text, name in parts(self.text):
-            called = self.called[name] if name else ''
-            said += [before_name(text, called) if is_english and called else text, called]
-        return ' '.join(''.join(said).split())
+        said = with_names(self.text, self.called, has_subject(self.text))
+        return ' '.join(said.split())
 
 
 @dataclass(frozen=True)
@@ -259,6 +255,15 @@ def in_tense(wording: Wording, status: StepStatus, phrases: Phrases) -> str:
     if status is StepStatus.RUNNING:
         return wording.future
     return phrases.already.replace('{sentence}', wording.future)
+
+
+def with_names(text: str, called: Mapping[str, str], is_english: bool = True) -> str:
+    """Return a text with what is said for each parameter; English has the article it wants."""
+    said = []
+    for before, parameter in parts(text):
+        name = called[parameter] if parameter else ''
+        said += [before_name(before, name) if is_english and name else before, name]
+    return ''.join(said)
 
 
 def _by_its_name(action: str, parameters: Iterable[str]) -> str:

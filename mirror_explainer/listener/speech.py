@@ -11,7 +11,7 @@ from mirror_explainer.listener.english import before_name, inability, intention
 from mirror_explainer.listener.frame import ARTICLES, framed
 from mirror_explainer.listener.phrases import Phrases
 from mirror_explainer.listener.sentences import Said, Sentences
-from mirror_explainer.listener.wording import parts
+from mirror_explainer.listener.wording import listed, parts
 from mirror_explainer.pddl.progress import StepStatus
 
 Step = tuple[str, StepStatus]  # a ground action, and how far it is
@@ -168,12 +168,11 @@ def _together(group: Sequence[Said], unsaid: Sequence[Said], phrases: Phrases) -
     before = next(text for text, place in parts(group[0].text) if place == parameter).split()
     article = f'{before[-1]} ' if before and before[-1] in ARTICLES else ''
     first, *following = [said.called[parameter] for said in group]
-    listed = [first, *(before_name(article, called) + called for called in following)]
+    things = [first, *(before_name(article, called) + called for called in following)]
     alike = (said for said in unsaid if _differing([*group, said]) == parameter)
     left = len({said.called[parameter] for said in alike})
     others = phrases.others if left > 1 else phrases.other if left else ''
     if others and parameter != group[0].verb:
-        listed.append(others)
-    *most, last = listed
-    together = f'{", ".join(most)} {phrases.and_} {last}'
+        things.append(others)
+    together = listed(things, phrases.and_)
     return Said(group[0].text, {**group[0].called, parameter: together}).sentence

@@ -1,6 +1,6 @@
 """How the user model words an action: sentences with places for objects, in three tenses."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Formatter
 
@@ -50,6 +50,12 @@ def parts(text: str) -> Iterator[tuple[str, str]]:
     """Yield the pieces of a sentence: plain text, and the parameter after it, '' if none."""
     for literal, parameter, _, _ in Formatter().parse(text):
         yield literal, parameter or ''
+
+
+def listed(things: Sequence[str], joining: str = 'and') -> str:
+    """Return things, at least one, as a list in a sentence: "a, b and c"."""
+    *most, last = things
+    return f'{", ".join(most)} {joining} {last}' if most else last
 
 
 def plain_name(item: str) -> str:
