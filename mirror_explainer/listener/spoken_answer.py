@@ -52,7 +52,7 @@ class SpokenAnswer:
         rest = sentences.phrases.all_heard if is_all else sentences.phrases.nothing_more
         return '\n'.join(filter(None, (lines, rest)))
 
-    @property
+    @cached_property
     def _chosen(self) -> set[int]:
         """The positions that are said, and those that were left out for a reason.
 

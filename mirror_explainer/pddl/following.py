@@ -111,8 +111,7 @@ def _out_of_step(
     matter = [a for a in (*episode.matters[0], *uncertain) if a not in state.numbers]
     wanted = [evaluator.value_of(atom, state) for atom in matter]
     best: Progress | None = None
-    for cut, there in _cuts(episode, given, evaluator):
-        progress = _cut(happenings, cut)
+    for cut, progress, there in _cuts(episode, given, evaluator):
         if progress.happened < (best or known).happened:
             continue
         if wanted == [evaluator.value_of(atom, there) for atom in matter]:
@@ -125,8 +124,8 @@ def _out_of_step(
 
 def _cuts(
     episode: Episode, steps: Sequence[GroundStep], evaluator: Evaluator
-) -> Iterator[tuple[frozenset[int], State]]:
-    """Yield which happenings may have happened, by their places, and the state then.
+) -> Iterator[tuple[frozenset[int], Progress, State]]:
+    """Yield which happenings may have happened, by their places, the progress and the state then.
 
     The fewest first, and not all of them where too many robots work.
     """
@@ -136,7 +135,7 @@ def _cuts(
     while waiting and len(cuts) < _MOST_CUTS:
         cut = waiting.popleft()
         there, progress = cuts[cut], _cut(happenings, cut)
-        yield cut, there
+        yield cut, progress, there
         for k, happening in enumerate(happenings):
             step = steps[happening.step]
             is_next = k not in cut and (
