@@ -33,9 +33,7 @@ from mirror_explainer.node.start import parsed
 
 MANY = QoSProfile(depth=1000)  # one message an action and second, all at once
 PERIOD = 0.1  # s between two looks at what is to be asked and told
-PAUSE = (
-    1.0  # s until a call that was refused is made again, or a new client has to know its service
-)
+PAUSE = 1.0  # s until a refused call is made again, or a new client has to know its service
 GRACE = 0.3  # s from a plan's end until the last states of its actions have come as well
 PATIENCE = 3.0  # s until a call that gets no reply is made again
 UNDER_WAY = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)

@@ -49,12 +49,7 @@ def candidates(world: World, own: Sequence[str], seen: Mapping[str, int]) -> lis
     frequent = sorted(often, key=lambda parts: (parts != tuple(own), -often[parts]))
     lifted = frequent[: 1 + MOST_LIFTED]
     like = {parts: world.like(parts) for parts in lifted}
-    less = {
-        parts: list(_without_one(world, parts, often if seen else ()))
-        if len(parts) <= _MOST_LESSENED
-        else []
-        for parts in lifted
-    }
+    less = {parts: list(_without_one(world, parts, often if seen else ())) for parts in lifted}
     found: dict[Pattern, tuple[float, str]] = {}
     if seen:
         for parts, count in often.items():
@@ -168,8 +163,10 @@ def _without_one(
     """Yield a goal's parts without one of them, for each one, if anything is left to do.
 
     A part stays that holds already, such as where the robot parks; and of one that all the
-    goals seen have one of its kind.
+    goals seen have one of its kind. Nothing is left out of a goal with too many parts.
     """
+    if len(parts) > _MOST_LESSENED:
+        return
     kinds = {kind_of(part) for part in set.intersection(*map(set, often))} if often else set()
     for left_out in range(len(parts)):
         rest = tuple(part for i, part in enumerate(parts) if i != left_out)
