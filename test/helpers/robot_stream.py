@@ -13,10 +13,9 @@ from ros_peer import LATCHED, Peer
 from std_msgs.msg import String
 
 from mirror_explainer.listener.phrases import Phrases
+from mirror_explainer.node.updates import DOUBTFUL_SECONDS
 
 NOT_READY = Phrases.not_ready
-# So long after its halves came the node believes that they do not fit.
-_BELIEVED = 0.5
 
 
 @dataclass(frozen=True)
@@ -70,10 +69,9 @@ class Verdict:
 
     `right`: the right answer to an update that was the robot's newest at some
     time during the call. `not_ready`: a refusal that says so. `under_way`: another refusal, while
-    the middleware took over half a second with an update, so that the node may have known half
-    of it. `stale`: the answer
-    to an update when a newer one had been heard before the call began. `wrong`:
-    anything else. `lost`: no answer at all.
+    the middleware took longer with an update than the node doubts that its halves do not fit.
+    `stale`: the answer to an update when a newer one had been heard before the call began.
+    `wrong`: anything else. `lost`: no answer at all.
     """
 
     right: int = 0
@@ -126,7 +124,7 @@ def _is_under_way(answer: Answer, times: Times) -> bool:
     return any(
         published < answer.ended and heard > answer.began
         for published, heard in zip(times.published, times.heard, strict=False)
-        if heard - published > _BELIEVED
+        if heard - published > DOUBTFUL_SECONDS
     )
 
 
